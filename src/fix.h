@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT
+ * Rounding and saturation, once.  The only place where negative numbers are shifted right:
+ * every compiler we build with shifts arithmetically; tests/unit/test_fix.c holds it. */
+#ifndef PLENOFIX_SRC_FIX_H
+#define PLENOFIX_SRC_FIX_H
+
+#include <stdint.h>
+
+static inline int32_t plfx_min_i32(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t plfx_max_i32(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+static inline int32_t plfx_clamp_i32(int32_t v, int32_t lo, int32_t hi)
+{
+    return plfx_min_i32(plfx_max_i32(v, lo), hi);
+}
+
+/* floor(v / 2^s), 0 <= s <= 31. */
+static inline int32_t plfx_asr_i32(int32_t v, int32_t s)
+{
+    return v >> s;
+}
+
+/* floor(v / 2^s), 0 <= s <= 63. */
+static inline int64_t plfx_asr_i64(int64_t v, int32_t s)
+{
+    return v >> s;
+}
+
+/* floor(v / 2^s + 1/2), 1 <= s <= 62, |v| < 2^62. */
+static inline int64_t plfx_round_shift_i64(int64_t v, int32_t s)
+{
+    return plfx_asr_i64(v + ((int64_t)1 << (s - 1)), s);
+}
+
+/* n/d rounded half away from zero; d > 0, |n| < 2^62, d < 2^62. */
+static inline int64_t plfx_div_round_i64(int64_t n, int64_t d)
+{
+    return n >= 0 ? (n + d / 2) / d : -((-n + d / 2) / d);
+}
+
+/* Saturate to 32 bits. */
+static inline int32_t plfx_sat_i32(int64_t v)
+{
+    return v > INT32_MAX ? INT32_MAX : v < INT32_MIN ? INT32_MIN : (int32_t)v;
+}
+
+/* floor(sqrt(v)). */
+static inline uint32_t plfx_isqrt_u64(uint64_t v)
+{
+    uint64_t root = 0;
+    uint64_t bit = (uint64_t)1 << 62;
+    int32_t i;
+
+    for (i = 0; i < 32; i++) { /* 32 steps: one bit of the root each */
+        uint64_t trial = root + bit;
+        root >>= 1;
+        if (v >= trial) {
+            v -= trial;
+            root += bit;
+        }
+        bit >>= 2;
+    }
+    return (uint32_t)root;
+}
+
+#endif
