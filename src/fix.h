@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Rounding and saturation, once.  The only place where negative numbers are shifted right:
- * every compiler we build with shifts arithmetically; tests/unit/test_fix.c holds it. */
+ * Rounding and saturation, once.  The only place where negative numbers are shifted
+ * right: every compiler we build with shifts arithmetically; tests/unit/test_fix.c
+ * holds it. */
 #ifndef PLENOFIX_SRC_FIX_H
 #define PLENOFIX_SRC_FIX_H
 

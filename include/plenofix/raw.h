@@ -27,19 +27,19 @@ typedef enum plfx_raw_format {
 /* A row of pixels inside a frame.  A packed frame is one bit stream: a row of odd width
  * does not start on a byte. */
 typedef struct plfx_raw_row {
-    const uint8_t *bytes;  /* the byte that holds the row's first bit */
-    uint8_t format;        /* plfx_raw_format */
-    uint8_t bits;          /* significant bits, 8 .. 16 */
-    uint8_t bit;           /* first bit inside bytes[0]: 0, or 4 with 12-bit streams, or
-                              0/2/4/6 with 10-bit streams; 0 for unpacked */
-    int32_t width;         /* pixels, 1 .. 32767 */
+    const uint8_t *bytes; /* the byte that holds the row's first bit */
+    uint8_t format;       /* plfx_raw_format */
+    uint8_t bits;         /* significant bits, 8 .. 16 */
+    uint8_t bit;          /* first bit inside bytes[0]: 0, or 4 with 12-bit streams, or
+                             0/2/4/6 with 10-bit streams; 0 for unpacked */
+    int32_t width;        /* pixels, 1 .. 32767 */
 } plfx_raw_row;
 
-typedef struct plfx_raw {  /* a whole frame in one bit stream, no padding between rows */
+typedef struct plfx_raw { /* a whole frame in one bit stream, no padding between rows */
     const uint8_t *bytes;
-    size_t size;           /* bytes available */
+    size_t size; /* bytes available */
     uint8_t format, bits;
-    int32_t w, h;          /* pixels, 1 .. 32767 */
+    int32_t w, h; /* pixels, 1 .. 32767 */
 } plfx_raw;
 
 /* Bits of storage for one pixel of a format; 0 if the format is unknown.
@@ -51,7 +51,8 @@ int32_t plfx_raw_bpp(int32_t format);
 size_t plfx_raw_bytes(int32_t format, int32_t w, int32_t h);
 
 /* Row y of a frame.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE (frame shorter than w*h). */
-plfx_status plfx_raw_row_at(const plfx_raw *raw, int32_t y, plfx_raw_row *row) PLFX_MUST_USE;
+plfx_status plfx_raw_row_at(const plfx_raw *raw, int32_t y,
+                            plfx_raw_row *row) PLFX_MUST_USE;
 
 /* out[0..n) = pixels x0 .. x0+n-1, right-justified, masked to `bits`.  Any x0: packed
  * groups are entered in their middle.  Reads no byte beyond the last pixel's own.
@@ -69,16 +70,16 @@ typedef enum plfx_bayer {
 } plfx_bayer;
 
 /* Grey of a mosaic by 2x2 mean: out[x] = (r0[x]+r0[x+1]+r1[x]+r1[x+1]+2)>>2 for
- * x = 0 .. w-2; out[w-1] = out[w-2].  Each sample holds R+2G+B whatever the phase and is
- * centred at (x+1/2, y+1/2): give plfx_tone.dx_q8 = dy_q8 = -128.  r0, r1: two
+ * x = 0 .. w-2; out[w-1] = out[w-2].  Each sample holds R+2G+B whatever the phase and
+ * is centred at (x+1/2, y+1/2): give plfx_tone.dx_q8 = dy_q8 = -128.  r0, r1: two
  * neighbouring rows, w >= 2 samples each.  `out` may be r0.  PLFX_OK, PLFX_E_ARG. */
 plfx_status plfx_raw_bayer_grey(const uint16_t *r0, const uint16_t *r1, int32_t w,
                                 uint16_t *out) PLFX_MUST_USE;
 
-/* One channel of a mosaic at every pixel: the pixel itself where it has that colour, else
- * the rounded mean of its nearest neighbours of that colour (2 or 4).  above/below: the
- * neighbouring rows, or NULL at the border of the frame (mirrored).
- *   channel: 0 red, 1 green, 2 blue;  y: row number in the frame (its parity matters).
+/* One channel of a mosaic at every pixel: the pixel itself where it has that colour,
+ * else the rounded mean of its nearest neighbours of that colour (2 or 4).
+ *   above, below: the neighbouring rows, or NULL at the border of the frame (mirrored)
+ *   channel: 0 red, 1 green, 2 blue;  y: row number in the frame (its parity matters)
  * PLFX_OK, PLFX_E_ARG. */
 plfx_status plfx_raw_bayer_channel(int32_t bayer, int32_t channel, int32_t y,
                                    const uint16_t *above, const uint16_t *row,

@@ -9,7 +9,7 @@
 #define PLFX_VERSION_STRING "0.1.0"
 
 /* One comparable number: 0x00MMmmpp. */
-#define PLFX_VERSION                                                                     \
+#define PLFX_VERSION                                                                   \
     ((PLFX_VERSION_MAJOR << 16) | (PLFX_VERSION_MINOR << 8) | PLFX_VERSION_PATCH)
 
 #ifdef __cplusplus

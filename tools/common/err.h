@@ -8,7 +8,8 @@
 #define PLFT_USAGE 2 /* bad command line */
 
 /* Print "plenofix: <message>\n" to stderr; returns `status`. */
-int plft_fail(int status, const char *format, ...) __attribute__((format(printf, 2, 3)));
+int plft_fail(int status, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* Print "plenofix: warning: <message>\n" to stderr. */
 void plft_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));

@@ -9,10 +9,10 @@
 /* A frame of right-justified samples.  File values are kept: 8-bit files give bits 8,
  * 16-bit files bits 16, or `bits` when the caller names it. */
 typedef struct plft_frame {
-    uint16_t *px;  /* [h][w][channels], malloc'd */
+    uint16_t *px; /* [h][w][channels], malloc'd */
     int w, h;
-    int channels;  /* 1 grey or mosaic, 3 RGB */
-    int bits;      /* significant bits of a sample */
+    int channels; /* 1 grey or mosaic, 3 RGB */
+    int bits;     /* significant bits of a sample */
 } plft_frame;
 
 /* Read a PNG or TIFF, 8 or 16 bits, grey or RGB, by its content.  Palette images and

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * PFM: 32-bit float maps, NaN where nothing was measured.  In memory row 0 is the top of
- * the scene; the file stores rows bottom-up, as the format says. */
+ * PFM: 32-bit float maps, NaN where nothing was measured.  In memory row 0 is the top
+ * of the scene; the file stores rows bottom-up, as the format says. */
 #ifndef PLFT_PFM_H
 #define PLFT_PFM_H
 
@@ -9,7 +9,7 @@ typedef struct plft_map {
     int w, h;
 } plft_map;
 
-int plft_pfm_read(plft_map *map, const char *path);  /* 0 or PLFT_DATA */
+int plft_pfm_read(plft_map *map, const char *path); /* 0 or PLFT_DATA */
 int plft_pfm_write(const char *path, const float *v, int w, int h);
 void plft_map_free(plft_map *map);
 
