@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: MIT
+"""What the checkers share: where the tree is, which files are the core, how to stop."""
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SKIP = 77  # Meson's exit status for a skipped test
+FLAGS = ['-std=c99', '-I' + str(ROOT / 'include'), '-I' + str(ROOT / 'src')]
+ARM = 'arm-none-eabi-'
+ARM_M7 = ['-mcpu=cortex-m7', '-mthumb', '-mfloat-abi=hard', '--specs=picolibc.specs']
+ARM_SOFT = ['-mcpu=cortex-m4', '-mthumb', '-mfloat-abi=soft', '--specs=picolibc.specs']
+
+
+def core_sources():
+    """The core: src/*.c, nothing below."""
+    return sorted((ROOT / 'src').glob('*.c'))
+
+
+def sources_from(args):
+    """Files named on the command line, else the core."""
+    return [pathlib.Path(a) for a in args] or core_sources()
+
+
+def need(*tools):
+    for tool in tools:
+        if shutil.which(tool) is None:
+            print(f'skipped: {tool} is not installed (tools/setup ci)')
+            sys.exit(SKIP)
+
+
+def run(*args):
+    """Output of a command; its messages and status 1 when it fails."""
+    done = subprocess.run([str(a) for a in args], capture_output=True, text=True)
+    if done.returncode:
+        print(done.stdout + done.stderr)
+        print('failed: ' + ' '.join(str(a) for a in args))
+        sys.exit(1)
+    return done.stdout
+
+
+def compile_all(compiler, sources, flags, folder):
+    """One object a source, two at a time; returns their paths in order."""
+    objects, running = [], []
+    for source in sources:
+        target = pathlib.Path(folder) / (source.stem + '.o')
+        objects.append(target)
+        command = [compiler, *FLAGS, *flags, '-c', str(source), '-o', str(target)]
+        running.append((source, subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)))
+        if len(running) == 2:
+            finish(running.pop(0))
+    for pair in running:
+        finish(pair)
+    return objects
+
+
+def finish(pair):
+    source, process = pair
+    output = process.communicate()[0]
+    if process.returncode:
+        print(output)
+        print(f'{source}: does not compile')
+        sys.exit(1)
+
+
+def scratch():
+    return tempfile.TemporaryDirectory(prefix='plenofix-')
+
+
+def strip_comments_keep_includes(text):
+    """C text with comments blanked, strings kept."""
+    return re.sub(r'/\*.*?\*/', lambda m: re.sub(r'[^\n]', ' ', m.group(0)), text,
+                  flags=re.S)
+
+
+def strip_comments(text):
+    """C text with comments and string contents blanked, line numbers kept."""
+    def blank(match):
+        s = match.group(0)
+        if s.startswith('/'):
+            return re.sub(r'[^\n]', ' ', s)
+        return s[0] + s[0]
+    return re.sub(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'',
+                  blank, text, flags=re.S)
+
+
+def verdict(findings, what):
+    """Print findings and leave: status 1 if there are any."""
+    for f in findings:
+        print(f)
+    print(f'{what}: {len(findings)} finding' + ('' if len(findings) == 1 else 's'))
+    sys.exit(1 if findings else 0)

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""Every checker catches the violation planted for it.  usage: planted.py [NAME ...]
+Speaks TAP.  A checker that passes, or fails for another reason, is not ok."""
+import re
+import subprocess
+import sys
+
+import common
+
+HERE = common.ROOT / '.ci' / 'checks'
+PLANTED = common.ROOT / 'tests' / 'lint' / 'planted'
+
+# what, command, planted files, what the checker must say
+CASES = [
+    ('no allocation', 'symbols.py', ['allocation.c'], r'needs malloc'),
+    ('prefix of globals', 'symbols.py', ['prefix.c'], r'planted_counter has no prefix'),
+    ('no writable data', 'symbols.py', ['prefix.c'], r'writable data count'),
+    ('no float, by soft-float build', 'nofloat.py', ['floating.c'], r'calls __aeabi_'),
+    ('no float, by word', 'nofloat.py', ['float_word.c'], r'floating-point type'),
+    ('no recursion', 'calls.py', ['recursion.c'],
+     r'recursion: planted_even -> planted_odd -> planted_even'),
+    ('no indirect call', 'calls.py', ['pointer.c'], r'plfx_planted: indirect call'),
+    ('no array of variable length, by frame', 'calls.py', ['vla.c'],
+     r'plfx_planted: frame of unknown size'),
+    ('no array of variable length, by warning', 'plain.sh', ['cc', 'vla.c'], r'Werror=vla'),
+    ('explicit conversions', 'plain.sh', ['cc', 'conversion.c'], r'Werror=conversion'),
+    ('bounded loops', 'loops.py', ['loop.c'], r'loop.c:\d+: loop without'),
+    ('bounded stack', 'sizes.py', ['--stack', 'stack.c'], r'plfx_planted: \d+ bytes of stack'),
+    ('licence line', 'style.py', ['style.c'], r'licence line'),
+    ('no tab', 'style.py', ['style.c'], r'style.c:2: tab'),
+    ('no trailing blank', 'style.py', ['style.c'], r'style.c:2: trailing blank'),
+    ('no promise of later work', 'style.py', ['style.c'], r'promise of later work'),
+    ('no path of one machine', 'style.py', ['style.c'], r'path of one machine'),
+    ('no address in a script', 'style.py', ['address.sh'], r'address in a script'),
+    ('layout', 'format.py', ['format.c'], r'format.c: run clang-format'),
+    ('floors: upward include', 'floors.py', ['floors'],
+     r'base.h \(floor 0\) includes include/plenofix/image.h'),
+    ('floors: system header', 'floors.py', ['floors'], r'<stdlib.h> is not allowed'),
+    ('floors: port into core', 'floors.py', ['floors'], r'port.c: includes src/inner.h'),
+    ('floors: new header', 'floors.py', ['floors'], r'novel.h: no floor'),
+]
+
+
+def command(checker, args):
+    tool = [str(HERE / checker)]
+    if checker.endswith('.py'):
+        tool.insert(0, sys.executable)
+    return tool + [str(PLANTED / a) if (PLANTED / a).exists() else a for a in args]
+
+
+cases = [c for c in CASES if not sys.argv[1:] or c[1] in sys.argv[1:]]
+print(f'1..{len(cases)}')
+bad = 0
+for number, (what, checker, args, expected) in enumerate(cases, 1):
+    done = subprocess.run(command(checker, args), capture_output=True, text=True)
+    output = done.stdout + done.stderr
+    if done.returncode == common.SKIP:
+        print(f'ok {number} - {what} # SKIP {output.strip()}')
+    elif done.returncode == 0 or not re.search(expected, output):
+        bad += 1
+        print(f'not ok {number} - {what}')
+        print('# ' + output.strip().replace('\n', '\n# '))
+    else:
+        print(f'ok {number} - {what}')
+sys.exit(1 if bad else 0)

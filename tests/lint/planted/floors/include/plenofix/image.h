@@ -1,0 +1,3 @@
+/* SPDX-License-Identifier: MIT
+ * Broken on purpose: nothing; base.h includes it. */
+#include <stdint.h>
