@@ -18,7 +18,7 @@ typedef struct plft_option {
     const char *name; /* "--window" or "-o"; NULL ends the table */
     plft_kind kind;
     void *target;
-    const char *words; /* PLFT_WORD: the list; else the operand's name in --help */
+    const char *words; /* PLFT_WORD: the list; else what --help calls the value */
     double lo, hi;
     const char *help;
 } plft_option;

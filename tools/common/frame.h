@@ -6,6 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#define PLFT_SIDE_MAX 32767 /* pixels on a side, as in plfx_raw */
+
 /* A frame of right-justified samples.  File values are kept: 8-bit files give bits 8,
  * 16-bit files bits 16, or `bits` when the caller names it. */
 typedef struct plft_frame {
@@ -19,6 +21,17 @@ typedef struct plft_frame {
  * alpha are refused.  bits 0: as the file; 8..16: samples over 2^bits - 1 are refused.
  * 0 or PLFT_DATA with a message. */
 int plft_frame_read(plft_frame *frame, const char *path, int bits);
+
+/* The readers behind it, from n bytes in memory; `name` is for messages.  bits is the
+ * file's.  0 or PLFT_DATA with a message. */
+int plft_png_parse(plft_frame *frame, const unsigned char *bytes, size_t n,
+                   const char *name);
+int plft_tiff_parse(plft_frame *frame, const unsigned char *bytes, size_t n,
+                    const char *name);
+
+/* Room for w x h x channels samples; checks 1 .. PLFT_SIDE_MAX.  0 or PLFT_DATA. */
+int plft_frame_alloc(plft_frame *frame, unsigned long w, unsigned long h, int channels,
+                     const char *name);
 
 /* Replace an RGB frame by its luma (Rec. 601, rounded); no effect on grey. */
 void plft_frame_to_grey(plft_frame *frame);

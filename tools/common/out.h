@@ -20,6 +20,10 @@ int plft_out_commit(plft_out *out);
 /* Drop the temporary.  No effect after a commit or on a zeroed struct. */
 void plft_out_abort(plft_out *out);
 
+/* Would plft_out_open() succeed?  For commands that compute long before they write.
+ * NULL is fine: an output that was not asked for. */
+int plft_out_check(const char *path);
+
 /* Whole file in one call. */
 int plft_out_bytes(const char *path, const void *bytes, size_t n);
 

@@ -1,0 +1,11 @@
+/* SPDX-License-Identifier: MIT
+ * Sub-commands: plft_cmd_NAME() lives in cmd_NAME.c; argv[0] is its name.  Each returns
+ * the exit status of the program. */
+#ifndef PLFT_COMMANDS_H
+#define PLFT_COMMANDS_H
+
+typedef int plft_command(int argc, char **argv);
+
+plft_command plft_cmd_help;
+
+#endif

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT
+ * The front end: finds the sub-command and hands it its arguments. */
+#include <stdio.h>
+#include <string.h>
+
+#include "commands.h"
+#include "common/err.h"
+#include "plenofix/version.h"
+
+typedef struct entry {
+    const char *name;
+    plft_command *run;
+    const char *about;
+} entry;
+
+/* In the order in which one works with a camera. */
+static const entry commands[] = {
+    {"help", plft_cmd_help, "this text, or that of a command: help COMMAND"},
+};
+
+#define COMMANDS (sizeof commands / sizeof commands[0])
+
+static const entry *find(const char *name)
+{
+    size_t k;
+
+    for (k = 0; k < COMMANDS; k++) {
+        if (strcmp(commands[k].name, name) == 0) {
+            return &commands[k];
+        }
+    }
+    return NULL;
+}
+
+static int no_command(const char *name)
+{
+    return plft_fail(PLFT_USAGE, "no command %s; see plenofix help", name);
+}
+
+static int print_commands(void)
+{
+    size_t k;
+
+    printf("plenofix %s: depth from plenoptic cameras, in fixed point\n\n"
+           "usage: plenofix COMMAND [arguments]\n\n",
+           PLFX_VERSION_STRING);
+    for (k = 0; k < COMMANDS; k++) {
+        printf("  %-16s %s\n", commands[k].name, commands[k].about);
+    }
+    printf("\nplenofix COMMAND --help tells its options.  Exit status: 0 done, 1 bad "
+           "data, "
+           "2 bad command line.\n");
+    return 0;
+}
+
+int plft_cmd_help(int argc, char **argv)
+{
+    char flag[] = "--help";
+    char *args[2];
+    const entry *e;
+
+    if (argc < 2 || strncmp(argv[1], "--", 2) == 0) {
+        return print_commands();
+    }
+    e = find(argv[1]);
+    if (e == NULL) {
+        return no_command(argv[1]);
+    }
+    args[0] = argv[1];
+    args[1] = flag;
+    return e->run == plft_cmd_help ? print_commands() : e->run(2, args);
+}
+
+int main(int argc, char **argv)
+{
+    const entry *e;
+
+    if (argc < 2) {
+        return plft_fail(PLFT_USAGE, "want a command; see plenofix help");
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("plenofix %s\n", PLFX_VERSION_STRING);
+        return 0;
+    }
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0) {
+        return print_commands();
+    }
+    e = find(argv[1]);
+    return e != NULL ? e->run(argc - 1, argv + 1) : no_command(argv[1]);
+}
