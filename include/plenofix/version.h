@@ -10,7 +10,7 @@
 
 /* One comparable number: 0x00MMmmpp. */
 #define PLFX_VERSION                                                                   \
-    ((PLFX_VERSION_MAJOR << 16) | (PLFX_VERSION_MINOR << 8) | PLFX_VERSION_PATCH)
+    (PLFX_VERSION_MAJOR * 65536 + PLFX_VERSION_MINOR * 256 + PLFX_VERSION_PATCH)
 
 #ifdef __cplusplus
 extern "C" {
