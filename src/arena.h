@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Carving of a workspace.  Run with base NULL it measures: the size function and the user
- * are the same code, so they cannot disagree. */
+ * Carving of a workspace.  Run with base NULL it measures: the size function and the
+ * user are the same code, so they cannot disagree. */
 #ifndef PLENOFIX_SRC_ARENA_H
 #define PLENOFIX_SRC_ARENA_H
 

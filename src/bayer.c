@@ -40,7 +40,8 @@ static uint32_t at(const uint16_t *row, int32_t x, int32_t w)
     return row[x < 0 ? 1 : x >= w ? w - 2 : x]; /* mirrored: same colour */
 }
 
-/* Mean of the nearest neighbours that have the channel, seen from a pixel that has not. */
+/* Mean of the nearest neighbours that have the channel, seen from a pixel that has
+ * not. */
 static uint16_t neighbours(const rows *r, int32_t bayer, int32_t channel, int32_t x,
                            int32_t y)
 {

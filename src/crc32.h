@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * CRC-32 (IEEE 802.3, reflected, polynomial 0xEDB88320), by nibbles: 64 bytes of table. */
+ * CRC-32 (IEEE 802.3, reflected, polynomial 0xEDB88320), by nibbles: 64 bytes of
+ * table. */
 #ifndef PLENOFIX_SRC_CRC32_H
 #define PLENOFIX_SRC_CRC32_H
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Rounding and saturation, once; in the common subset of C99 and OpenCL C.  The only place where negative numbers are shifted
- * right: every compiler we build with shifts arithmetically; tests/unit/test_fix.c
- * holds it. */
+ * Rounding and saturation, once; in the common subset of C99 and OpenCL C.  The only
+ * place where negative numbers are shifted right: every compiler we build with shifts
+ * arithmetically; tests/unit/test_fix.c holds it. */
 #ifndef PLENOFIX_SRC_FIX_H
 #define PLENOFIX_SRC_FIX_H
 
@@ -59,7 +59,7 @@ static inline int32_t plfx_log2_u64(uint64_t v)
     int32_t n = 0;
     int32_t step;
 
-    for (step = 32; step > 0; step /= 2) {
+    for (step = 32; step > 0; step >>= 1) {
         if (v >> step) {
             v >>= step;
             n += step;

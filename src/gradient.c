@@ -82,7 +82,8 @@ static int64_t stencil(const state *s, int32_t v, int32_t x, const int32_t along
 static const int32_t smooth[3] = {P_SIDE, P_MID, P_SIDE};
 static const int32_t differ[3] = {-D_SIDE, 0, D_SIDE};
 
-/* Derivative along x or y of three views in line, prefiltered along their offset: q4. */
+/* Derivative along x or y of three views in line, prefiltered along their offset:
+ * q4. */
 static int64_t spatial_q4(const state *s, int32_t minus, int32_t plus, int32_t x,
                           const int32_t *along, const int32_t *across)
 {
@@ -158,8 +159,8 @@ static int32_t ratio_q16(int64_t num, int64_t den, int64_t du_q8)
     return plfx_clamp_i32(plfx_sat_i32(num), -(8 << 16), 8 << 16);
 }
 
-/* Least squares over both axes with the lattice's ratios in q12 (under 2^13): window sums
- * of products are under 2^45. */
+/* Least squares over both axes with the lattice's ratios in q12 (under 2^13): window
+ * sums of products are under 2^45. */
 static int32_t slope_q16(const plfx_plan *plan, const cell *w)
 {
     int64_t col = plfx_asr_i32(plan->col_q16, 4);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * White gains: a profile over the micro-image, different from zone to zone of the array,
- * times one number a lens. */
+ * White gains: a profile over the micro-image, different from zone to zone of the
+ * array, times one number a lens. */
 #include "lut_format.h"
 #include "bytes.h"
 #include "fix.h"

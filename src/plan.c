@@ -66,8 +66,9 @@ static int32_t least_shift(uint32_t per_item, uint32_t items)
 {
     int32_t s = 0;
 
+    /* at most 21 steps: per_item < 2^17, items <= 31 */
     while (items * (per_item >> s) > 65535u) {
-        s++; /* at most 21: per_item < 2^17, items <= 31 */
+        s++;
     }
     return s;
 }

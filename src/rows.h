@@ -18,7 +18,8 @@ plfx_shift plfx_shift_at(const plfx_plan *plan, int32_t k, int32_t slope_q16);
 void plfx_sample_row(const plfx_plan *plan, const plfx_views *views, int32_t k,
                      plfx_shift s, int32_t j, int32_t x0, int32_t n, uint16_t *out);
 
-/* Where a window may stand so that no view in use is left: lenses x0..x1, rows y0..y1. */
+/* Where a window may stand so that no view in use is left: lenses x0..x1, rows
+ * y0..y1. */
 typedef struct plfx_span {
     int16_t x0, x1, y0, y1;
 } plfx_span;

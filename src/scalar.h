@@ -12,7 +12,8 @@
 #define PLFX_TABLE static const
 #endif
 
-/* v = m * 2^(2 exp), m in [2^28, 2^30): g = 2^29/sqrt(m), 2^14 .. 2^15.  v = 0: g = 0. */
+/* v = m * 2^(2 exp), m in [2^28, 2^30): g = 2^29/sqrt(m), 2^14 .. 2^15.  v = 0: g =
+ * 0. */
 typedef struct plfx_rsqrt {
     uint32_t g;
     int32_t exp;
@@ -89,8 +90,8 @@ static inline int32_t plfx_correlation_q15(uint32_t cost, uint32_t g)
     return plfx_clamp_i32(r, -32768, 32767);
 }
 
-/* floor(2^steps * num / den) for num <= den < 2^30, restoring, one bit a step; the first
- * step gives the integer part. */
+/* floor(2^steps * num / den) for num <= den < 2^30, restoring, one bit a step; the
+ * first step gives the integer part. */
 static inline uint32_t plfx_divide(uint32_t num, uint32_t den, int32_t steps)
 {
     uint32_t q = 0;

@@ -21,7 +21,8 @@ plfx_tone plfx_tone_unity(int32_t bits)
 
 plfx_point plfx_view_offset(const plfx_lut *lut, plfx_offset at)
 {
-    /* steps in q12 (< 2^21), offsets q8 (< 2^15): products under 2^37, << 8 under 2^45 */
+    /* steps in q12 (< 2^21), offsets q8 (< 2^15): products under 2^37, << 8 under
+     * 2^45 */
     int64_t ax = plfx_asr_i32(lut->lattice.a.x_q22, 10);
     int64_t ay = plfx_asr_i32(lut->lattice.a.y_q22, 10);
     int64_t len = (int64_t)plfx_isqrt_u64((uint64_t)(ax * ax + ay * ay));

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
- * From window costs to slopes of a pair, with its tests; and from pairs to one slope. */
+ * From window costs to slopes of a pair, with its tests; and from pairs to one
+ * slope. */
 #include "plenofix/fuse.h"
 #include "sweep_state.h"
 #include "fix.h"
 
-/* Cost that counts as noise: a 1/1024 of full scale a sample, in units of the window sum. */
+/* Cost that counts as noise: a 1/1024 of full scale a sample, in units of the window
+ * sum. */
 static uint32_t sad_floor(const plfx_plan *p)
 {
     uint32_t others = p->cfg.method == PLFX_METHOD_SWEEP ? p->cfg.n - 1u : 1u;

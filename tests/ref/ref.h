@@ -9,7 +9,8 @@
 uint16_t ref_sample(const plfx_plan *plan, const plfx_views *views, int32_t k,
                     int32_t l, int32_t x, int32_t y);
 
-/* Window costs of all labels of pair p (SWEEP: p = 0) at (x,y), window inside the map. */
+/* Window costs of all labels of pair p (SWEEP: p = 0) at (x,y), window inside the
+ * map. */
 void ref_costs(const plfx_plan *plan, const plfx_views *views, int32_t p, int32_t x,
                int32_t y, uint16_t *cost);
 

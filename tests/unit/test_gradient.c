@@ -49,8 +49,8 @@ static double texture(double x, double y)
     return 2000 + 500 * sin(0.7 * x + 0.3 * y) + 400 * sin(0.5 * y - 0.4 * x + 1);
 }
 
-/* Views of a plane of slope d at offsets of `step` sensor pixels, column scale and odd-row
- * displacement of the lattice. */
+/* Views of a plane of slope d at offsets of `step` sensor pixels, column scale and
+ * odd-row displacement of the lattice. */
 static void render(const plfx_plan *p, double d, double step, double odd)
 {
     static const int du[5] = {0, -1, 1, 0, 0};
