@@ -8,5 +8,6 @@ typedef int plft_command(int argc, char **argv);
 
 plft_command plft_cmd_evaluate;
 plft_command plft_cmd_help;
+plft_command plft_cmd_simulate;
 
 #endif

@@ -1,0 +1,71 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# plenofix simulate: files, the same bytes each run, refusals.
+set -eu
+plenofix=$(realpath "$1")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir"
+
+scene() { # extra keys of the camera, extra keys of the scene
+    cat <<JSON
+{"seed": 5, "rays": 2, "frames": ["dots", "white", "dark", "scene"],
+ "camera": {"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [12, 9]$1},
+ "sensor": {"bits": 10, "full_well_e": 20000},
+ "objects": [{"type": "plane", "z_mm": 600},
+             {"type": "box", "at_mm": [0, 0, 420], "size_mm": [6, 5, 3]}]$2}
+JSON
+}
+refused() { # status, text, arguments
+    local want=$1 text=$2 status=0
+    shift 2
+    "$plenofix" simulate "$@" >out.txt 2>err.txt || status=$?
+    [ "$status" = "$want" ] || { echo "status $status for $*"; cat err.txt; exit 1; }
+    [ "$(wc -l <err.txt)" = 1 ] || { cat err.txt; exit 1; }
+    grep -q -- "$text" err.txt || { echo "want $text in:"; cat err.txt; exit 1; }
+}
+broken() { # sed expression, text
+    scene "" "" | sed "$1" >bad.json
+    refused 1 "$2" bad.json -o bad
+    [ ! -e bad ]
+}
+
+scene "" "" >s.json
+"$plenofix" simulate s.json -o a
+"$plenofix" simulate s.json -o b
+for f in dots.png white.png dark.png scene.png slope.pfm depth_mm.pfm objects.png \
+    centres.csv optics.json scene_resolved.json
+do
+    [ -s "a/$f" ] || { echo "no $f"; exit 1; }
+    cmp "a/$f" "b/$f"
+done
+[ "$(wc -l <a/centres.csv)" = 109 ]
+head -1 a/centres.csv | grep -qx 'row,col,x,y'
+sed 's/"seed": 5/"seed": 6/' s.json >other.json
+"$plenofix" simulate other.json -o c
+! cmp -s a/scene.png c/scene.png
+scene ', "lattice": "hex", "dim": [[2, 3, 0.1], [4, 4, 0]], "stop_mm": [20, 14]' '' |
+    sed 's/"bits": 10/"bits": 14, "bayer": "grbg", "colour": [0.7, 1, 0.8]/' >hex.json
+"$plenofix" simulate hex.json -o d
+[ -s d/scene.png ]
+
+broken 's/"F_mm": 50,//' '"F_mm" is missing'
+broken 's/"focus_mm": 480/"focus_mm": 40/' 'beyond "F_mm"'
+broken 's/"pitch_mm": 0.125/"pitch_mm": 0.01/' '4 to 100 pixels'
+broken 's/"bits": 10/"bits": 17/' '"bits" must be a number from 8 to 14'
+broken 's/"bits": 10/"bits": 10.5/' 'whole number'
+broken 's/"bits"/"bit"/' 'no key "bit"'
+broken 's/"plane"/"plain"/' 'plane|rect|box'
+broken 's/\[12, 9\]/[12]/' 'list of 2 numbers'
+broken 's/\[6, 5, 3\]/[6, 5]/' 'list of 3 numbers'
+broken 's/"dots"/"spots"/' 'dots|white|dark|scene'
+broken 's/"objects": \[/"objects": [7,/' 'want an object'
+broken 's/"camera": {/"camera": {"dim": [[99, 0, 1]],/' 'names no lens'
+broken 's/}$//' 'bad.json: line'
+refused 1 absent.json absent.json -o bad
+refused 1 'cannot make the folder' s.json -o s.json
+refused 1 'cannot make the folder' s.json -o no/such/place
+refused 2 'SCENE.json -o DIR' s.json
+refused 2 'SCENE.json -o DIR' -o x
+echo ok

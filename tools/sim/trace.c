@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: MIT
+ * Light on the sensor by rays. */
+#include "sim/trace.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define HEX_SIDE   0.93060485910209960 /* square as large as a hexagon of pitch 1 */
+#define LENS_PARTS 3                   /* of a lens side, at the rim of the pupil */
+#define PIXEL_ROWS 12                  /* of a pixel, at the rim of the pupil */
+
+static double lens_side(const plft_camera *cam)
+{
+    return cam->pitch * cam->fill * (cam->hex ? HEX_SIDE : 1.0);
+}
+
+int plft_bayer_colour(int bayer, int x, int y)
+{
+    static const int colour[5][4] = {
+        {1, 1, 1, 1}, {0, 1, 1, 2}, {1, 0, 2, 1}, {1, 2, 0, 1}, {2, 1, 1, 0}};
+
+    return colour[bayer][2 * (y & 1) + (x & 1)];
+}
+
+/* Chord of a disc about (c,0) at height y: 0 when it misses. */
+static int chord(double c, double y, double r, double *lo, double *hi)
+{
+    double q = r * r - y * y;
+    double half;
+
+    if (q <= 0.0) {
+        return 0;
+    }
+    half = sqrt(q);
+    *lo = c - half > *lo ? c - half : *lo;
+    *hi = c + half < *hi ? c + half : *hi;
+    return *hi > *lo;
+}
+
+/* Centre of the second stop as the pupil sees it from lens (cx,cy), and its radius
+ * there: a ray through U meets the stop at U - (c*focus/L + U)*z/focus. */
+static void stop_on_pupil(const plft_camera *cam, double cx, double cy, double *x,
+                          double *y, double *r)
+{
+    double k = 1.0 - cam->stop_z / cam->focus;
+
+    *x = cx * cam->stop_z / cam->L / k;
+    *y = cy * cam->stop_z / cam->L / k;
+    *r = cam->stop_r / k;
+}
+
+/* Part of the segment [x - w/2, x + w/2] at height y inside the pupil and the stop. */
+static double segment(const plft_trace *t, double x, double y, double w,
+                      const double stop[3])
+{
+    double lo = x - 0.5 * w;
+    double hi = x + 0.5 * w;
+
+    if (!chord(0.0, y, t->pupil_r, &lo, &hi)) {
+        return 0.0;
+    }
+    if (stop[2] > 0.0 && !chord(stop[0], y - stop[1], stop[2], &lo, &hi)) {
+        return 0.0;
+    }
+    return (hi - lo) / w;
+}
+
+/* Mean over parts of the lens (both axes) and rows of the pixel; along the rows of the
+ * pixel the chord is exact. */
+static double rim_cover(const plft_trace *t, double ux, double uy, const double stop[3])
+{
+    double pixel = t->cam->L * t->cam->pixel / t->cam->f_mu;
+    double lens = lens_side(t->cam) / LENS_PARTS;
+    double row = pixel / PIXEL_ROWS;
+    double sum = 0.0;
+    int i, j, k;
+
+    for (j = 0; j < LENS_PARTS; j++) {
+        for (k = 0; k < PIXEL_ROWS; k++) {
+            double y = uy + (j - 0.5 * (LENS_PARTS - 1)) * lens +
+                       (k - 0.5 * (PIXEL_ROWS - 1)) * row;
+            for (i = 0; i < LENS_PARTS; i++) {
+                double x = ux + (i - 0.5 * (LENS_PARTS - 1)) * lens;
+                sum += segment(t, x, y, pixel, stop);
+            }
+        }
+    }
+    return sum / (LENS_PARTS * LENS_PARTS * PIXEL_ROWS);
+}
+
+/* Half the diagonal of the square of crossings of one pixel through one lens. */
+static double reach(const plft_camera *cam)
+{
+    return 0.7072 * (cam->L * cam->pixel / cam->f_mu + lens_side(cam));
+}
+
+/* 1 all inside a disc, 0 all outside, -1 across its rim. */
+static int side_of(double dx, double dy, double r, double margin)
+{
+    double d = sqrt(dx * dx + dy * dy);
+
+    return d + margin < r ? 1 : d - margin > r ? 0 : -1;
+}
+
+double plft_trace_cover(const plft_trace *t, double ux, double uy, double cx, double cy)
+{
+    double stop[3] = {0.0, 0.0, 0.0};
+    double margin = reach(t->cam);
+    int pupil = side_of(ux, uy, t->pupil_r, margin);
+    int second = 1;
+
+    if (pupil != 0 && t->cam->stop_r > 0.0) {
+        stop_on_pupil(t->cam, cx, cy, &stop[0], &stop[1], &stop[2]);
+        second = side_of(ux - stop[0], uy - stop[1], stop[2], margin);
+    }
+    if (pupil == 0 || second == 0) {
+        return 0.0;
+    }
+    return pupil == 1 && second == 1 ? 1.0 : rim_cover(t, ux, uy, stop);
+}
+
+plft_ray plft_trace_ray(const plft_camera *cam, double ax, double ay, double cx,
+                        double cy, double sx, double sy)
+{
+    double k = cam->L / cam->f_mu;
+    double ux = ax - k * (sx - cx);
+    double uy = ay - k * (sy - cy);
+    plft_ray ray = {-ux, -uy, ax / cam->L + ux / cam->focus,
+                    ay / cam->L + uy / cam->focus};
+
+    return ray;
+}
+
+double plft_trace_side(const plft_camera *cam, double z, double lens, double pixel)
+{
+    double a = lens * (z / cam->F - 1.0);
+    double s = pixel * cam->L / cam->f_mu * (1.0 - z / cam->focus);
+
+    return sqrt(a * a + s * s);
+}
+
+/* Reflectance seen by one ray; `part` is the side of its share of lens and pixel. */
+static double ray_value(const plft_trace *t, const plft_ray *ray, double part,
+                        int colour)
+{
+    plft_hit hit = plft_world_trace(t->world, ray);
+    double side;
+
+    if (!hit.quad) {
+        return t->world->sky;
+    }
+    side =
+        plft_trace_side(t->cam, hit.z, lens_side(t->cam) * part, t->cam->pixel * part);
+    return plft_world_shade(t->world, &hit, ray, side) *
+           (t->bayer ? hit.quad->rgb[colour] : 1.0);
+}
+
+/* Mean reflectance over the lens aperture and the pixel that pass the pupil.  Share
+ * (i,j) of the lens goes with share (j,i) of the pixel, so that both are covered. */
+static double mean_value(const plft_trace *t, const double c[2], double sx, double sy,
+                         int colour)
+{
+    const plft_camera *cam = t->cam;
+    double part = 1.0 / t->rays;
+    double sum = 0.0;
+    int passed = 0;
+    int i, j;
+
+    for (j = 0; j < t->rays; j++) {
+        for (i = 0; i < t->rays; i++) {
+            double di = (i + 0.5) * part - 0.5;
+            double dj = (j + 0.5) * part - 0.5;
+            plft_ray ray = plft_trace_ray(cam, c[0] + di * lens_side(cam),
+                                          c[1] + dj * lens_side(cam), c[0], c[1],
+                                          sx + dj * cam->pixel, sy + di * cam->pixel);
+            if (ray.px * ray.px + ray.py * ray.py < t->pupil_r * t->pupil_r) {
+                sum += ray_value(t, &ray, part, colour);
+                passed++;
+            }
+        }
+    }
+    if (passed == 0) { /* a sliver of the pupil between the rays */
+        plft_ray ray = plft_trace_ray(cam, c[0], c[1], c[0], c[1], sx, sy);
+        return ray_value(t, &ray, 1.0, colour);
+    }
+    return sum / passed;
+}
+
+/* Light that lens (i,j) sends to the sensor point in mm. */
+static double lens_light(const plft_trace *t, int i, int j, double sx, double sy,
+                         int colour)
+{
+    const plft_camera *cam = t->cam;
+    size_t at = (size_t)j * (size_t)cam->nx + (size_t)i;
+    const double *c = cam->centre + 2 * at;
+    double ux = c[0] - cam->L * (sx - c[0]) / cam->f_mu;
+    double uy = c[1] - cam->L * (sy - c[1]) / cam->f_mu;
+    double tan_x = (ux - c[0]) / cam->L;
+    double tan_y = (uy - c[1]) / cam->L;
+    double sec2 = 1.0 + tan_x * tan_x + tan_y * tan_y; /* cos^4 law */
+    double light = plft_trace_cover(t, ux, uy, c[0], c[1]) * cam->gain[at];
+
+    if (light <= 0.0) {
+        return 0.0;
+    }
+    light /= sec2 * sec2;
+    return t->world ? light * mean_value(t, c, sx, sy, colour) : light;
+}
+
+double plft_trace_pixel(const plft_trace *t, int x, int y)
+{
+    const plft_camera *cam = t->cam;
+    double sx = (x - 0.5 * (cam->w - 1)) * cam->pixel;
+    double sy = (y - 0.5 * (cam->h - 1)) * cam->pixel;
+    int colour = plft_bayer_colour(t->bayer, x, y);
+    double sum = 0.0;
+    int i0, j0, i, j;
+
+    plft_camera_nearest(cam, sx, sy, &i0, &j0);
+    for (j = j0 - 1; j <= j0 + 1; j++) {
+        for (i = i0 - 1; i <= i0 + 1; i++) {
+            if (i >= 0 && j >= 0 && i < cam->nx && j < cam->ny) {
+                sum += lens_light(t, i, j, sx, sy, colour);
+            }
+        }
+    }
+    return t->bayer ? sum * t->colour[colour] : sum;
+}
+
+/* Taps k[0..3] of a Gaussian, k[0] in the middle, their sum over both sides 1. */
+static void gauss_taps(double sigma, double k[4])
+{
+    double sum = 1.0;
+    int i;
+
+    k[0] = 1.0;
+    for (i = 1; i < 4; i++) {
+        k[i] = exp(-0.5 * i * i / (sigma * sigma));
+        sum += 2.0 * k[i];
+    }
+    for (i = 0; i < 4; i++) {
+        k[i] /= sum;
+    }
+}
+
+static double at_edge(const double *line, int i, int n, size_t step)
+{
+    i = i < 0 ? 0 : i >= n ? n - 1 : i;
+    return line[(size_t)i * step];
+}
+
+static void blur_line(const double *in, double *out, int n, size_t step,
+                      const double k[4])
+{
+    int i, d;
+
+    for (i = 0; i < n; i++) {
+        double sum = k[0] * in[(size_t)i * step];
+        for (d = 1; d < 4; d++) {
+            sum += k[d] * (at_edge(in, i - d, n, step) + at_edge(in, i + d, n, step));
+        }
+        out[(size_t)i * step] = sum;
+    }
+}
+
+static int blur_frame(double *signal, int w, int h, double sigma)
+{
+    double *other = malloc((size_t)w * (size_t)h * sizeof *other);
+    double k[4];
+    int x, y;
+
+    if (!other) {
+        return -1;
+    }
+    gauss_taps(sigma, k);
+    for (y = 0; y < h; y++) {
+        blur_line(signal + (size_t)y * (size_t)w, other + (size_t)y * (size_t)w, w, 1,
+                  k);
+    }
+    for (x = 0; x < w; x++) {
+        blur_line(other + x, signal + x, h, (size_t)w, k);
+    }
+    free(other);
+    return 0;
+}
+
+int plft_trace_frame(const plft_trace *t, double *signal)
+{
+    int w = t->cam->w;
+    int h = t->cam->h;
+    int x, y;
+
+    for (y = 0; y < h; y++) {
+        for (x = 0; x < w; x++) {
+            signal[(size_t)y * (size_t)w + (size_t)x] = plft_trace_pixel(t, x, y);
+        }
+    }
+    return t->cam->blur > 0.0 ? blur_frame(signal, w, h, t->cam->blur) : 0;
+}
