@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * Rounding and saturation, once.  The only place where negative numbers are shifted
- * right: every compiler we build with shifts arithmetically; tests/unit/test_fix.c
- * holds it. */
+ * Rounding and saturation, once; in the common subset of C99 and OpenCL C.  The only
+ * place where negative numbers are shifted right: every compiler we build with shifts
+ * arithmetically; tests/unit/test_fix.c holds it. */
 #ifndef PLENOFIX_SRC_FIX_H
 #define PLENOFIX_SRC_FIX_H
 
+#if !defined(__OPENCL_VERSION__)
 #include <stdint.h>
+#endif
 
 static inline int32_t plfx_min_i32(int32_t a, int32_t b)
 {
@@ -44,6 +46,27 @@ static inline int64_t plfx_round_shift_i64(int64_t v, int32_t s)
 static inline int64_t plfx_div_round_i64(int64_t n, int64_t d)
 {
     return n >= 0 ? (n + d / 2) / d : -((-n + d / 2) / d);
+}
+
+/* floor(log2(v)), v > 0. */
+static inline int32_t plfx_log2_u64(uint64_t v)
+{
+#if defined(__OPENCL_VERSION__)
+    return 63 - (int32_t)clz(v);
+#elif defined(__GNUC__)
+    return 63 - __builtin_clzll(v);
+#else
+    int32_t n = 0;
+    int32_t step;
+
+    for (step = 32; step > 0; step >>= 1) {
+        if (v >> step) {
+            v >>= step;
+            n += step;
+        }
+    }
+    return n;
+#endif
 }
 
 /* Saturate to 32 bits. */

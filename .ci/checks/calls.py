@@ -3,7 +3,8 @@
 usage: calls.py [FILE.c ...]
 
 Read from gcc's call graph of an -O0 build: the optimiser folds tail calls and would hide
-a recursion."""
+a recursion.  Outgoing arguments are part of the frame, so that struct arguments do not make
+it dynamic."""
 import sys
 
 import callgraph
@@ -11,7 +12,8 @@ import common
 
 common.need('gcc')
 with common.scratch() as folder:
-    graph = callgraph.build('gcc', common.sources_from(sys.argv[1:]), ['-O0'], folder)
+    graph = callgraph.build('gcc', common.sources_from(sys.argv[1:]),
+                        ['-O0', '-maccumulate-outgoing-args'], folder)
 findings = [f'{f}: indirect call' for f in sorted(graph.indirect)]
 findings += [f'{f}: frame of unknown size' for f in sorted(graph.dynamic)]
 findings += ['recursion: ' + ' -> '.join(path) for path in graph.cycles()]

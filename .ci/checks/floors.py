@@ -11,8 +11,8 @@ import sys
 
 import common
 
-FLOORS = [['base', 'version'], ['image', 'raw'], ['lut'], ['view'], ['plan'],
-          ['sweep', 'gradient', 'fuse', 'depth', 'refocus', 'roi', 'modal', 'packet'],
+FLOORS = [['base', 'version'], ['image', 'raw'], ['fuse', 'lut'], ['view'], ['plan'],
+          ['sweep', 'gradient', 'depth', 'refocus', 'roi', 'modal', 'packet'],
           ['stream', 'frame'], ['plenofix'], ['port', 'cl']]
 FLOOR = {name: n for n, names in enumerate(FLOORS) for name in names}
 SYSTEM = {'stdint.h', 'stddef.h', 'string.h'}

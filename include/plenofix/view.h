@@ -12,8 +12,8 @@
  *   out = min((t*tone.gain_q12 + r) >> (28 - bits - shift), 2^bits - 1)
  * Weights sum to 256 on each axis: a constant frame gives a constant view.  s >=
  * sat_u16 gives 2^bits - 1 whatever the gain: clipped stays clipped.  The first two
- * roundings are of 2^-17 of full scale: they buy 16-bit storage between two raw rows.
- */
+ * roundings are of 2^-17 of full scale: they buy 16-bit storage between two raw
+ * rows. */
 #ifndef PLENOFIX_VIEW_H
 #define PLENOFIX_VIEW_H
 
