@@ -15,6 +15,7 @@ typedef struct entry {
 
 /* In the order in which one works with a camera. */
 static const entry commands[] = {
+    {"calibrate", plft_cmd_calibrate, "a lens table from a calibration frame"},
     {"evaluate", plft_cmd_evaluate, "a depth map against its truth"},
     {"simulate", plft_cmd_simulate, "frames of an imagined camera, with their truth"},
     {"help", plft_cmd_help, "this text, or that of a command: help COMMAND"},

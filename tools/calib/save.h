@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ * A calibration as a table description. */
+#ifndef PLFT_CALIB_SAVE_H
+#define PLFT_CALIB_SAVE_H
+
+#include "calib/calib.h"
+
+typedef struct plft_saved {
+    plfx_lut_desc desc; /* its pointers lead to the arrays below */
+    int16_t *resid;
+    uint8_t *flags;
+    uint16_t *profile, *gain;
+    char *meta;
+} plft_saved;
+
+/* Residuals where the calibration found any, flags where a lens has one, dark level
+ * where a dark frame was subtracted, provenance as text.  0, or PLFT_DATA with a
+ * message. */
+int plft_saved_init(plft_saved *saved, const plft_calib *calib, const plft_grey *grey);
+
+/* Write it, and open what was written to check it.  0, or PLFT_DATA with a message. */
+int plft_saved_write(const plft_saved *saved, const char *path, size_t *bytes);
+
+void plft_saved_free(plft_saved *saved);
+
+#endif

@@ -1,0 +1,404 @@
+/* SPDX-License-Identifier: MIT
+ * Spline of the mean micro-image. */
+#include "calib/shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SMOOTH 1e-5 /* weight of squared second differences against one lens' pixels */
+#define STEPS  60   /* of conjugate gradients, at most */
+
+int plft_fold_init(plft_fold *f, int half, int phases)
+{
+    const size_t bins = (size_t)phases * (size_t)phases;
+
+    f->half = half;
+    f->n = 2 * half + 1;
+    f->phases = phases;
+    f->sum = calloc(bins * (size_t)f->n * (size_t)f->n, sizeof *f->sum);
+    f->fx = calloc(bins, sizeof *f->fx);
+    f->fy = calloc(bins, sizeof *f->fy);
+    f->weight = calloc(bins, sizeof *f->weight);
+    if (f->sum == NULL || f->fx == NULL || f->fy == NULL || f->weight == NULL) {
+        plft_fold_free(f);
+        return -1;
+    }
+    return 0;
+}
+
+void plft_fold_free(plft_fold *f)
+{
+    free(f->sum);
+    free(f->fx);
+    free(f->fy);
+    free(f->weight);
+    memset(f, 0, sizeof *f);
+}
+
+static int phase_bin(double f, int phases)
+{
+    int k = (int)((f + 0.5) * phases);
+    return k < 0 ? 0 : k >= phases ? phases - 1 : k;
+}
+
+void plft_fold_add(plft_fold *f, const plft_grey *g, plft_vec at)
+{
+    const int cx = (int)floor(at.x + 0.5), cy = (int)floor(at.y + 0.5);
+    const double fx = at.x - cx, fy = at.y - cy;
+    const size_t bin =
+        (size_t)(phase_bin(fy, f->phases) * f->phases + phase_bin(fx, f->phases));
+    double *sum = f->sum + bin * (size_t)f->n * (size_t)f->n;
+    int x, y;
+
+    if (cx < f->half || cy < f->half || cx + f->half >= g->w || cy + f->half >= g->h) {
+        return;
+    }
+    for (y = 0; y < f->n; y++) {
+        const uint16_t *row =
+            g->px + (size_t)(cy - f->half + y) * (size_t)g->w + cx - f->half;
+        for (x = 0; x < f->n; x++) {
+            sum[y * f->n + x] += row[x];
+        }
+    }
+    f->fx[bin] += fx;
+    f->fy[bin] += fy;
+    f->weight[bin] += 1.0;
+}
+
+/* Cubic B-spline weights of four neighbouring nodes, t in 0..1 past the second. */
+static void spline(double t, double w[4])
+{
+    const double s = 1.0 - t;
+
+    w[0] = s * s * s / 6.0;
+    w[1] = (4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0;
+    w[2] = (4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0;
+    w[3] = t * t * t / 6.0;
+}
+
+static void spline_slope(double t, double w[4])
+{
+    const double s = 1.0 - t;
+
+    w[0] = -0.5 * s * s;
+    w[1] = -2.0 * t + 1.5 * t * t;
+    w[2] = 2.0 * s - 1.5 * s * s;
+    w[3] = 0.5 * t * t;
+}
+
+/* First of the four nodes that carry position p; *t as in spline(). */
+static int node(const plft_shape *s, double p, double *t)
+{
+    double k = (p + s->half + 1.0) * s->per + 1.0; /* node 1 sits at -half - 1 */
+    int i = (int)floor(k);
+
+    i = i < 1 ? 1 : i > s->m - 3 ? s->m - 3 : i;
+    *t = k - i;
+    *t = *t < 0.0 ? 0.0 : *t > 1.0 ? 1.0 : *t;
+    return i - 1;
+}
+
+static double blend(const double *c, int m, const double wx[4], const double wy[4])
+{
+    double sum = 0.0;
+    int i, j;
+
+    for (j = 0; j < 4; j++) {
+        const double *r = c + j * m;
+        double row = 0.0;
+        for (i = 0; i < 4; i++) {
+            row += wx[i] * r[i];
+        }
+        sum += wy[j] * row;
+    }
+    return sum;
+}
+
+double plft_shape_at(const plft_shape *s, double x, double y)
+{
+    double tx, ty, wx[4], wy[4];
+    int i = node(s, x, &tx), j = node(s, y, &ty);
+
+    spline(tx, wx);
+    spline(ty, wy);
+    return blend(s->c + (size_t)j * (size_t)s->m + i, s->m, wx, wy);
+}
+
+void plft_shape_slope(const plft_shape *s, double x, double y, double *value,
+                      double *gx, double *gy)
+{
+    double tx, ty, wx[4], wy[4], dx[4], dy[4];
+    int i = node(s, x, &tx), j = node(s, y, &ty);
+    const double *c = s->c + (size_t)j * (size_t)s->m + i;
+
+    spline(tx, wx);
+    spline(ty, wy);
+    spline_slope(tx, dx);
+    spline_slope(ty, dy);
+    *value = blend(c, s->m, wx, wy);
+    *gx = s->per * blend(c, s->m, dx, wy);
+    *gy = s->per * blend(c, s->m, wx, dy);
+}
+
+void plft_shape_even(const plft_shape *s, double x, double y, double *value, double *gx,
+                     double *gy)
+{
+    double v, vx, vy;
+
+    plft_shape_slope(s, s->centre.x + x, s->centre.y + y, value, gx, gy);
+    plft_shape_slope(s, s->centre.x - x, s->centre.y - y, &v, &vx, &vy);
+    *value = 0.5 * (*value + v);
+    *gx = 0.5 * (*gx - vx);
+    *gy = 0.5 * (*gy - vy);
+}
+
+/* out += weight * B'(B x - data) of one phase bin; data NULL: zero.  All pixels of a
+ * bin share the same spline weights. */
+static void normal_bin(const plft_shape *s, const plft_fold *f, size_t bin,
+                       double total, const double *x, const double *data, double *out)
+{
+    const double inv = 1.0 / f->weight[bin], weight = f->weight[bin] / total;
+    double tx, ty, wx[4], wy[4];
+    const int i0 = node(s, -f->half - f->fx[bin] * inv, &tx);
+    const int j0 = node(s, -f->half - f->fy[bin] * inv, &ty);
+    int qx, qy, i, j;
+
+    spline(tx, wx);
+    spline(ty, wy);
+    for (qy = 0; qy < f->n; qy++) {
+        for (qx = 0; qx < f->n; qx++) {
+            const size_t at =
+                (size_t)(j0 + qy * s->per) * (size_t)s->m + (size_t)(i0 + qx * s->per);
+            double r = x != NULL ? blend(x + at, s->m, wx, wy) : 0.0;
+            r = weight * (r - (data != NULL ? data[qy * f->n + qx] * inv : 0.0));
+            for (j = 0; j < 4; j++) {
+                for (i = 0; i < 4; i++) {
+                    out[at + (size_t)(j * s->m + i)] += r * wy[j] * wx[i];
+                }
+            }
+        }
+    }
+}
+
+/* out += SMOOTH * D'D x with D the second differences along rows and columns. */
+static void smooth(const plft_shape *s, const double *x, double *out)
+{
+    const int m = s->m;
+    int i, j;
+
+    for (j = 0; j < m; j++) {
+        for (i = 0; i < m; i++) {
+            const int k = j * m + i;
+            if (i > 0 && i < m - 1) {
+                double d = SMOOTH * (x[k - 1] - 2.0 * x[k] + x[k + 1]);
+                out[k - 1] += d;
+                out[k] -= 2.0 * d;
+                out[k + 1] += d;
+            }
+            if (j > 0 && j < m - 1) {
+                double d = SMOOTH * (x[k - m] - 2.0 * x[k] + x[k + m]);
+                out[k - m] += d;
+                out[k] -= 2.0 * d;
+                out[k + m] += d;
+            }
+        }
+    }
+}
+
+/* out = A x (data NULL) or -A'data ... the gradient of the fit at x. */
+static void gradient(const plft_shape *s, const plft_fold *f, double total,
+                     const double *x, int with_data, double *out)
+{
+    const size_t n = (size_t)f->n * (size_t)f->n;
+    const size_t bins = (size_t)f->phases * (size_t)f->phases;
+    size_t b;
+
+    memset(out, 0, sizeof(double) * (size_t)s->m * (size_t)s->m);
+    for (b = 0; b < bins; b++) {
+        if (f->weight[b] > 0.0) {
+            normal_bin(s, f, b, total, x, with_data ? f->sum + b * n : NULL, out);
+        }
+    }
+    smooth(s, x, out);
+}
+
+static double dot(const double *a, const double *b, int n)
+{
+    double s = 0.0;
+    int k;
+
+    for (k = 0; k < n; k++) {
+        s += a[k] * b[k];
+    }
+    return s;
+}
+
+/* Conjugate gradients from the coefficients at hand. */
+static int solve(plft_shape *s, const plft_fold *f, double total)
+{
+    const int n = s->m * s->m;
+    double *r = malloc(3u * (size_t)n * sizeof *r), *p, *q, rr, stop;
+    int step, k;
+
+    if (r == NULL) {
+        return -1;
+    }
+    p = r + n;
+    q = p + n;
+    gradient(s, f, total, s->c, 1, r);
+    memcpy(p, r, (size_t)n * sizeof *p);
+    rr = dot(r, r, n);
+    stop = 1e-18 * rr;
+    for (step = 0; step < STEPS && rr > stop; step++) {
+        double alpha, next;
+        gradient(s, f, total, p, 0, q);
+        alpha = rr / dot(p, q, n);
+        for (k = 0; k < n; k++) {
+            s->c[k] -= alpha * p[k];
+            r[k] -= alpha * q[k];
+        }
+        next = dot(r, r, n);
+        for (k = 0; k < n; k++) {
+            p[k] = r[k] + next / rr * p[k];
+        }
+        rr = next;
+    }
+    free(r);
+    return 0;
+}
+
+/* The same function on twice as many nodes: cubic two-scale relation, 1 4 6 4 1 over
+ * 8. */
+static int refine(plft_shape *s)
+{
+    static const double even[3] = {0.125, 0.75, 0.125};
+    const int m = s->m, m2 = 2 * m - 3;
+    double *fine = calloc((size_t)m2 * (size_t)m2, sizeof *fine);
+    int x, y, i, j;
+
+    if (fine == NULL) {
+        return -1;
+    }
+    for (y = 0; y < m2; y++) { /* fine node k sits at coarse (k+1)/2 */
+        for (x = 0; x < m2; x++) {
+            const int ox = (x + 1) % 2, oy = (y + 1) % 2;
+            double sum = 0.0;
+            for (j = 0; j < 3 - oy; j++) {
+                for (i = 0; i < 3 - ox; i++) {
+                    int cx = (x + 1) / 2 + i - (ox ? 0 : 1),
+                        cy = (y + 1) / 2 + j - (oy ? 0 : 1);
+                    double w = (ox ? 0.5 : even[i]) * (oy ? 0.5 : even[j]);
+                    cx = cx < 0 ? 0 : cx >= m ? m - 1 : cx;
+                    cy = cy < 0 ? 0 : cy >= m ? m - 1 : cy;
+                    sum += w * s->c[cy * m + cx];
+                }
+            }
+            fine[y * m2 + x] = sum;
+        }
+    }
+    free(s->c);
+    s->c = fine;
+    s->m = m2;
+    s->per *= 2;
+    return 0;
+}
+
+int plft_shape_fit(plft_shape *s, const plft_fold *f, int per)
+{
+    double total = 0.0;
+    int k;
+
+    for (k = 0; k < f->phases * f->phases; k++) {
+        total += f->weight[k];
+    }
+    free(s->c);
+    s->half = f->half;
+    s->per = 1;
+    s->m = 2 * (f->half + 1) + 3; /* nodes -half-2 .. half+2 */
+    s->c = calloc((size_t)s->m * (size_t)s->m, sizeof *s->c);
+    if (s->c == NULL || !(total > 0.0) || solve(s, f, total) != 0) {
+        return -1;
+    }
+    while (s->per < per) {
+        if (refine(s) != 0 || solve(s, f, total) != 0) {
+            return -1;
+        }
+    }
+    return 0;
+}
+
+void plft_shape_free(plft_shape *s)
+{
+    free(s->c);
+    memset(s, 0, sizeof *s);
+}
+
+/* One Gauss-Newton step of the centre; returns its length.  Sums over half the disc:
+ * the other half repeats it. */
+static double centre_step(plft_shape *s, double radius, double step)
+{
+    double xx = 0, xy = 0, yy = 0, rx = 0, ry = 0, det, dx, dy, x, y, e2 = 0, n = 0;
+
+    for (y = 0.5 * step; y <= radius; y += step) {
+        for (x = -radius; x <= radius; x += step) {
+            double a, ax, ay, b, bx, by, e;
+            if (x * x + y * y > radius * radius) {
+                continue;
+            }
+            plft_shape_slope(s, s->centre.x + x, s->centre.y + y, &a, &ax, &ay);
+            plft_shape_slope(s, s->centre.x - x, s->centre.y - y, &b, &bx, &by);
+            e = a - b;
+            ax -= bx;
+            ay -= by;
+            xx += ax * ax;
+            xy += ax * ay;
+            yy += ay * ay;
+            rx += ax * e;
+            ry += ay * e;
+            e2 += e * e;
+            n += 1.0;
+        }
+    }
+    s->asymmetry = e2;
+    det = xx * yy - xy * xy;
+    if (!(det > 1e-12 * xx * yy)) {
+        return 0.0;
+    }
+    dx = -(yy * rx - xy * ry) / det;
+    dy = -(xx * ry - xy * rx) / det;
+    /* Samples nearer than a pixel repeat each other: n * step^2 independent ones. */
+    s->centre_sigma = sqrt(0.5 * e2 / n * (xx + yy) / det / (step * step));
+    dx = fmax(-0.5, fmin(0.5, dx));
+    dy = fmax(-0.5, fmin(0.5, dy));
+    s->centre.x += dx;
+    s->centre.y += dy;
+    return hypot(dx, dy);
+}
+
+static double contrast(const plft_shape *s, double radius, double step)
+{
+    double sum = 0, sum2 = 0, x, y, n = 0;
+
+    for (y = 0.5 * step; y <= radius; y += step) {
+        for (x = -radius; x <= radius; x += step) {
+            if (x * x + y * y <= radius * radius) {
+                double v = plft_shape_at(s, s->centre.x + x, s->centre.y + y);
+                sum += v;
+                sum2 += v * v;
+                n += 1.0;
+            }
+        }
+    }
+    return sum2 - sum * sum / fmax(n, 1.0);
+}
+
+void plft_shape_centre(plft_shape *s, double radius)
+{
+    const double step = radius > 16.0 ? radius / 32.0 : 0.5;
+    int k;
+
+    for (k = 0; k < 12 && centre_step(s, radius, step) > 1e-7; k++) {
+    }
+    s->asymmetry = sqrt(s->asymmetry / fmax(contrast(s, radius, step), 1e-30));
+}
