@@ -350,10 +350,17 @@ static void large(void)
 int main(int argc, char **argv)
 {
     const int full = argc > 1 && strcmp(argv[1], "full") == 0;
+    const char *only = argc > 1 && !full ? argv[1] : NULL;
 
-    accuracy();
-    range();
-    stress();
+    if (only == NULL || strcmp(only, "accuracy") == 0) {
+        accuracy();
+    }
+    if (only == NULL || strcmp(only, "range") == 0) {
+        range();
+    }
+    if (only == NULL || strcmp(only, "stress") == 0) {
+        stress();
+    }
     if (full) {
         sigmas();
         large();

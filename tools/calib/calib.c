@@ -166,25 +166,42 @@ static void measure(work *w, block b, int step, double reach)
     }
 }
 
-/* Mean micro-image over the block at the places of the model; its centre of symmetry
- * moves the model. */
+/* Windows of the block's usable lenses (of all, the first time), evenly thinned to
+ * about ENOUGH, at the places of the model. */
+static void fold_block(const work *w, block b, int all, plft_fold *fold)
+{
+    const plft_calib *c = w->out;
+    int i, j, seen = 0, usable = 0, pass;
+
+    for (pass = 0; pass < 2; pass++) { /* 0: count; 1: fold */
+        const int step = usable / ENOUGH + 1;
+        for (j = b.j0; j <= b.j1; j++) {
+            for (i = b.i0; i <= b.i1; i++) {
+                if (!all && spot_of(&c->field, i, j)->flags != 0) {
+                    continue;
+                }
+                if (pass == 0) {
+                    usable++;
+                } else if (seen++ % step == 0) {
+                    plft_fold_add(fold, w->grey, plft_model_at(&c->model, i, j));
+                }
+            }
+        }
+    }
+}
+
+/* Mean micro-image over the block; its centre of symmetry moves the model. */
 static int reshape(work *w, block b, int per)
 {
     plft_calib *c = w->out;
-    const int count = (b.i1 - b.i0 + 1) * (b.j1 - b.j0 + 1), first = c->shape.c == NULL;
     const double radius = DISC * c->pitch + 0.5;
-    int step = count / ENOUGH + 1, k, status;
     plft_fold fold;
+    int status;
 
     if (plft_fold_init(&fold, (int)ceil(radius) + 2, c->pitch > 32.0 ? 4 : 8) != 0) {
         return fail(c, "out of memory");
     }
-    for (k = 0; k < count; k += step) {
-        const int i = b.i0 + k % (b.i1 - b.i0 + 1), j = b.j0 + k / (b.i1 - b.i0 + 1);
-        if (first || spot_of(&c->field, i, j)->flags == 0) {
-            plft_fold_add(&fold, w->grey, plft_model_at(&c->model, i, j));
-        }
-    }
+    fold_block(w, b, c->shape.c == NULL, &fold);
     status = plft_shape_fit(&c->shape, &fold, per);
     plft_fold_free(&fold);
     if (status != 0) {
