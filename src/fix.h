@@ -5,7 +5,7 @@
 #ifndef PLENOFIX_SRC_FIX_H
 #define PLENOFIX_SRC_FIX_H
 
-#if !defined(__OPENCL_VERSION__)
+#if !defined(__OPENCL_C_VERSION__)
 #include <stdint.h>
 #endif
 
@@ -51,7 +51,7 @@ static inline int64_t plfx_div_round_i64(int64_t n, int64_t d)
 /* floor(log2(v)), v > 0. */
 static inline int32_t plfx_log2_u64(uint64_t v)
 {
-#if defined(__OPENCL_VERSION__)
+#if defined(__OPENCL_C_VERSION__)
     return 63 - (int32_t)clz(v);
 #elif defined(__GNUC__)
     return 63 - __builtin_clzll(v);

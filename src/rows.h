@@ -39,4 +39,11 @@ typedef struct plfx_winner {
 /* Smallest of cost[l*step], l = 0 .. n-1; first on ties; fit per plfx_fit. */
 plfx_winner plfx_select(const uint16_t *cost, int32_t n, int32_t step, int32_t fit);
 
+/* Cost that counts as noise: a 1/1024 of full scale a sample, in units of the window
+ * sum. */
+uint32_t plfx_sad_floor(const plfx_plan *plan);
+
+/* Baseline squared in 1/4 px^2 units, cut to 16 bits: offsets up to 256 px. */
+uint16_t plfx_baseline_weight(const plfx_plan *plan, int32_t view);
+
 #endif

@@ -6,7 +6,7 @@
 
 #include "fix.h"
 
-#if defined(__OPENCL_VERSION__)
+#if defined(__OPENCL_C_VERSION__)
 #define PLFX_TABLE __constant
 #else
 #define PLFX_TABLE static const

@@ -5,9 +5,7 @@
 #include "sweep_state.h"
 #include "fix.h"
 
-/* Cost that counts as noise: a 1/1024 of full scale a sample, in units of the window
- * sum. */
-static uint32_t sad_floor(const plfx_plan *p)
+uint32_t plfx_sad_floor(const plfx_plan *p)
 {
     uint32_t others = p->cfg.method == PLFX_METHOD_SWEEP ? p->cfg.n - 1u : 1u;
     uint32_t w = p->cfg.window;
@@ -91,7 +89,7 @@ static void winner_at(const plfx_sweep_state *s, int32_t p, int32_t x, int32_t y
 
 void plfx_pair_winners(const plfx_sweep_state *s, int32_t p, int32_t y)
 {
-    uint32_t floor_cost = sad_floor(s->plan);
+    uint32_t floor_cost = plfx_sad_floor(s->plan);
     int32_t r = s->plan->cfg.window / 2;
     int32_t x;
 
@@ -100,8 +98,7 @@ void plfx_pair_winners(const plfx_sweep_state *s, int32_t p, int32_t y)
     }
 }
 
-/* Baseline squared in 1/4 px^2 units, cut to 16 bits: offsets up to 256 px. */
-static uint16_t baseline_weight(const plfx_plan *plan, int32_t view)
+uint16_t plfx_baseline_weight(const plfx_plan *plan, int32_t view)
 {
     int64_t u = plan->du_q8[view];
     int64_t v = plan->dv_q8[view];
@@ -143,7 +140,7 @@ static tally gather(const plfx_sweep_state *s, int32_t x)
         s->slopes[p] = s->out.slope_q16[at];
         s->weights[p] = cfg->fuse == PLFX_FUSE_CORRELATION
                             ? s->out.weight_u16[at]
-                            : baseline_weight(s->plan, plfx_pair_view(s->plan, p));
+                            : plfx_baseline_weight(s->plan, plfx_pair_view(s->plan, p));
         t.flags |= s->out.flags[at];
         if (s->slopes[p] != PLFX_SLOPE_NONE) {
             t.measured++;

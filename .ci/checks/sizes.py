@@ -24,9 +24,14 @@ def public_functions():
     return set(re.findall(r'\b(plfx_\w+)\s*\(', common.strip_comments(text)))
 
 
+def core_headers():
+    every = sorted((common.ROOT / 'include').glob('*/*.h'))
+    return [h for h in every if h.stem not in ('port', 'cl')]
+
+
 def structures():
     names = []
-    for header in sorted((common.ROOT / 'include').glob('*/*.h')):
+    for header in core_headers():
         names += re.findall(r'typedef struct (plfx_\w+) \{', header.read_text())
     return names
 
@@ -42,9 +47,8 @@ def measure_objects(objects):
 def measure_structures(folder):
     source = folder + '/sizes_probe.c'
     with open(source, 'w') as out:
-        for header in sorted((common.ROOT / 'include').glob('*/*.h')):
-            if header.stem not in ('port', 'cl'):
-                out.write(f'#include "plenofix/{header.name}"\n')
+        for header in core_headers():
+            out.write(f'#include "plenofix/{header.name}"\n')
         for name in structures():
             out.write(f'extern char probe_{name}[sizeof({name})];\n')
             out.write(f'char probe_{name}[sizeof({name})];\n')

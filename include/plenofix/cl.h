@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ * The dense path on an OpenCL 1.2 device, bit-equal to the core: raw frame or views ->
+ * slope, confidence and flags.  Library plenofix_cl, above the core and never included
+ * by it.
+ *
+ * A context belongs to one plan.  All device memory is taken by plfx_cl_open(); a frame
+ * allocates nothing.  Two frames may be in flight: submit the next one before the last
+ * is fetched, and its transfer hides behind the work.  One context is used by one
+ * thread at a time. */
+#ifndef PLENOFIX_CL_H
+#define PLENOFIX_CL_H
+
+#include "plenofix/plan.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PLFX_CL_SLOTS   2
+#define PLFX_CL_KERNELS 12
+#define PLFX_CL_BUFFERS 24
+
+typedef struct plfx_cl_info { /* what a device says of itself */
+    char name[128], platform[128];
+    uint64_t memory, local_memory; /* bytes */
+    uint32_t units, group;         /* compute units, largest work-group */
+} plfx_cl_info;
+
+typedef struct plfx_cl_input { /* what a frame is; all 0 for ready-made views */
+    const plfx_lut *lut;       /* NULL: frames are blocks of views */
+    uint8_t format, bits;      /* of raw frames: plfx_raw_format, significant bits */
+    uint8_t white;             /* use the table's GAIN section */
+    plfx_tone tone;            /* bits as in the plan */
+} plfx_cl_input;
+
+/* Complete for declaration only; the fields belong to the library. */
+typedef struct plfx_cl {
+    void *context, *program;
+    void *queue_up, *queue_work, *queue_down;
+    void *kernel[PLFX_CL_KERNELS];
+    void *buffer[PLFX_CL_BUFFERS];
+    void *uploaded[PLFX_CL_SLOTS], *worked[PLFX_CL_SLOTS];
+    void *input[PLFX_CL_SLOTS], *output[PLFX_CL_SLOTS][3];
+    plfx_plan plan;
+    size_t input_bytes;
+    uint64_t bytes; /* of device memory taken */
+    int32_t params[40];
+    int32_t raw_w, raw_h, from_raw, format;
+    size_t group_x, group_y;
+    int32_t head, count; /* slot of the oldest frame in flight, frames in flight */
+    char message[256];   /* what the last failure was, in words */
+} plfx_cl;
+
+/* Devices of all platforms; 0 when there is none. */
+int32_t plfx_cl_devices(void);
+
+/* PLFX_OK, PLFX_E_ARG (no such device), PLFX_E_DEVICE. */
+plfx_status plfx_cl_describe(int32_t device, plfx_cl_info *info) PLFX_MUST_USE;
+
+/* Device memory that plfx_cl_open() will take, bytes; 0 if the arguments do not fit. */
+uint64_t plfx_cl_bytes(const plfx_plan *plan, const plfx_cl_input *input);
+
+/* Build the kernels, take the memory, upload table and plan.  On failure nothing is
+ * held and cl->message says why.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE (not enough device
+ * memory), PLFX_E_DEVICE. */
+plfx_status plfx_cl_open(plfx_cl *cl, int32_t device, const plfx_plan *plan,
+                         const plfx_cl_input *input) PLFX_MUST_USE;
+
+/* Start a frame: `bytes` is a raw frame in the input's format, or a views block
+ * (uint16, banded).  The memory may be reused when the call returns.  PLFX_OK,
+ * PLFX_E_ARG, PLFX_E_SIZE (n too small), PLFX_E_STATE (PLFX_CL_SLOTS frames in flight),
+ * PLFX_E_DEVICE. */
+plfx_status plfx_cl_submit(plfx_cl *cl, const void *bytes, size_t n) PLFX_MUST_USE;
+
+/* Finish the oldest frame into `out`; sigma is PLFX_SIGMA_NONE.  PLFX_OK, PLFX_E_ARG,
+ * PLFX_E_STATE (nothing in flight), PLFX_E_DEVICE. */
+plfx_status plfx_cl_fetch(plfx_cl *cl, const plfx_map *out) PLFX_MUST_USE;
+
+/* Give everything back.  Harmless on a zeroed or failed context. */
+void plfx_cl_close(plfx_cl *cl);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
