@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Whole-frame matching: rows enter the columns, windows slide along them. */
+ * Whole-frame matching: SAD by the row engine, NCC by its own columns. */
 #include "plenofix/sweep.h"
 #include "plenofix/fuse.h"
-#include "sweep_state.h"
+#include "engine.h"
 #include "arena.h"
 #include "fix.h"
 
@@ -35,7 +35,6 @@ static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
     s->span = plfx_take(a, pairs * labels, sizeof(plfx_span));
     s->cost = plfx_take(a, labels * nx, sizeof(uint16_t));
     s->sample = plfx_take(a, nx, sizeof(uint16_t));
-    s->item = plfx_take(a, nx, sizeof(uint16_t));
     s->tex_col = plfx_take(a, nx, sizeof(uint32_t));
     s->tex = plfx_take(a, nx, sizeof(uint32_t));
     s->out.slope_q16 = plfx_take(a, pairs * nx, sizeof(int32_t));
@@ -44,19 +43,20 @@ static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
     s->out.flags = plfx_take(a, pairs * nx, sizeof(uint8_t));
     s->slopes = plfx_take(a, pairs, sizeof(int32_t));
     s->weights = plfx_take(a, pairs, sizeof(uint16_t));
-    if (is_zncc(plan)) {
-        carve_zncc(s, a, nx, pairs * labels * nx);
-    } else {
-        s->sad_col = plfx_take(a, pairs * labels * nx, sizeof(uint16_t));
-    }
+    carve_zncc(s, a, nx, pairs * labels * nx);
 }
 
 size_t plfx_sweep_ws(const plfx_plan *plan)
 {
     plfx_arena a = {NULL, 0};
-    plfx_sweep_state s;
 
-    carve(&s, plan, &a);
+    if (is_zncc(plan)) {
+        plfx_sweep_state s;
+        carve(&s, plan, &a);
+    } else {
+        plfx_engine e;
+        plfx_engine_carve(&e, plan, PLFX_LEAVE_COSTS, &a);
+    }
     return a.used;
 }
 
@@ -101,88 +101,46 @@ static void clear(const plfx_sweep_state *s)
     size_t cells = (size_t)s->pairs * s->plan->cfg.labels * nx;
 
     memset(s->tex_col, 0, nx * sizeof(uint32_t));
-    if (is_zncc(s->plan)) {
-        memset(s->b_col, 0, cells * sizeof(uint32_t));
-        memset(s->bb_col, 0, cells * sizeof(uint32_t));
-        memset(s->ab_col, 0, cells * sizeof(uint32_t));
-        memset(s->a_col, 0, nx * sizeof(uint32_t));
-        memset(s->aa_col, 0, nx * sizeof(uint32_t));
-    } else {
-        memset(s->sad_col, 0, cells * sizeof(uint16_t));
-    }
+    memset(s->b_col, 0, cells * sizeof(uint32_t));
+    memset(s->bb_col, 0, cells * sizeof(uint32_t));
+    memset(s->ab_col, 0, cells * sizeof(uint32_t));
+    memset(s->a_col, 0, nx * sizeof(uint32_t));
+    memset(s->aa_col, 0, nx * sizeof(uint32_t));
 }
 
 static void columns(const plfx_sweep_state *s, int32_t y, int32_t sign)
 {
-    if (is_zncc(s->plan)) {
-        plfx_zncc_row(s, y, sign);
-    } else {
-        plfx_sad_row(s, y, sign);
-    }
+    plfx_zncc_row(s, y, sign);
     plfx_texture_row(s, y, sign);
 }
 
-static void write_sample(const plfx_map *m, size_t at, int32_t slope, uint16_t conf,
-                         uint8_t flags)
-{
-    m->slope_q16[at] = slope;
-    if (m->conf_u16) {
-        m->conf_u16[at] = slope == PLFX_SLOPE_NONE ? 0 : conf;
-    }
-    if (m->sigma_u20) {
-        m->sigma_u20[at] = PLFX_SIGMA_NONE;
-    }
-    if (m->flags) {
-        m->flags[at] = flags;
-    }
-}
-
-static void edge_row(const plfx_sweep_state *s, const plfx_map *out, int32_t y)
-{
-    int32_t x;
-
-    for (x = 0; x < s->plan->nx; x++) {
-        write_sample(out, (size_t)y * (size_t)out->stride + (size_t)x, PLFX_SLOPE_NONE,
-                     0, PLFX_FLAG_EDGE);
-    }
-}
-
-static void fuse_row(const plfx_sweep_state *s, const plfx_map *out, int32_t y)
+static void fuse_row(const plfx_sweep_state *s, const plfx_map *row)
 {
     int32_t r = s->plan->cfg.window / 2;
     int32_t x;
 
     for (x = 0; x < s->plan->nx; x++) {
-        size_t at = (size_t)y * (size_t)out->stride + (size_t)x;
         if (x < r || x >= s->plan->nx - r) {
-            write_sample(out, at, PLFX_SLOPE_NONE, 0, PLFX_FLAG_EDGE);
-        } else if (s->plan->cfg.method == PLFX_METHOD_SWEEP) {
-            write_sample(out, at, s->out.slope_q16[x], s->out.conf_u16[x],
-                         s->out.flags[x]);
+            plfx_map_put(row, (size_t)x, PLFX_SLOPE_NONE, 0, PLFX_FLAG_EDGE);
         } else {
             plfx_fused f = plfx_fuse_pairs(s, x);
-            write_sample(out, at, f.slope_q16, f.conf_u16, f.flags);
+            plfx_map_put(row, (size_t)x, f.slope_q16, f.conf_u16, f.flags);
         }
     }
 }
 
 static void target_row(const plfx_sweep_state *s, const plfx_map *out, int32_t y)
 {
+    plfx_map row = plfx_map_row(out, y);
     int32_t p;
 
     plfx_texture_sums(s);
-    if (is_zncc(s->plan)) {
-        plfx_zncc_reference(s);
-    }
+    plfx_zncc_reference(s);
     for (p = 0; p < s->pairs; p++) {
-        if (is_zncc(s->plan)) {
-            plfx_zncc_cost(s, p);
-        } else {
-            plfx_sad_cost(s, p);
-        }
+        plfx_zncc_cost(s, p);
         plfx_pair_winners(s, p, y);
     }
-    fuse_row(s, out, y);
+    fuse_row(s, &row);
 }
 
 static int32_t map_ok(const plfx_plan *plan, const plfx_map *m)
@@ -205,25 +163,17 @@ static plfx_status check(const plfx_plan *plan, const plfx_views *v,
     return PLFX_OK;
 }
 
-plfx_status plfx_sweep(const plfx_plan *plan, const plfx_views *views,
-                       const plfx_map *out, void *ws, size_t ws_size)
+static void sweep_zncc(const plfx_plan *plan, const plfx_views *views,
+                       const plfx_map *out, plfx_arena *a)
 {
-    plfx_status status = check(plan, views, out, ws, ws_size);
-    plfx_arena a;
     plfx_sweep_state s;
-    int32_t w;
+    int32_t w = plan->cfg.window;
     int32_t y;
 
-    if (status != PLFX_OK) {
-        return status;
-    }
-    a.base = ws;
-    a.used = 0;
-    carve(&s, plan, &a);
+    carve(&s, plan, a);
     s.views = views;
     fill_spans(&s);
     clear(&s);
-    w = plan->cfg.window;
     for (y = 0; y < plan->ny; y++) {
         columns(&s, y, 1);
         if (y >= w) {
@@ -232,9 +182,47 @@ plfx_status plfx_sweep(const plfx_plan *plan, const plfx_views *views,
         if (y >= w - 1) {
             target_row(&s, out, y - w / 2);
         }
-        if (y < w / 2 || y >= plan->ny - w / 2) {
-            edge_row(&s, out, y);
-        }
+    }
+}
+
+static void sweep_sad(const plfx_plan *plan, const plfx_views *views,
+                      const plfx_map *out, plfx_arena *a)
+{
+    plfx_rows src = {views->px, plan->ny};
+    plfx_engine e;
+    int32_t r = plan->cfg.window / 2;
+    int32_t y;
+
+    plfx_engine_carve(&e, plan, PLFX_LEAVE_COSTS, a);
+    plfx_match_start(&e.match, r);
+    for (y = r; y < plan->ny - r; y++) {
+        plfx_map row = plfx_map_row(out, y);
+        plfx_engine_row(&e, &src, y, &row);
+    }
+}
+
+plfx_status plfx_sweep(const plfx_plan *plan, const plfx_views *views,
+                       const plfx_map *out, void *ws, size_t ws_size)
+{
+    plfx_status status = check(plan, views, out, ws, ws_size);
+    plfx_arena a;
+    int32_t y;
+
+    if (status != PLFX_OK) {
+        return status;
+    }
+    a.base = ws;
+    a.used = 0;
+    if (is_zncc(plan)) {
+        sweep_zncc(plan, views, out, &a);
+    } else {
+        sweep_sad(plan, views, out, &a);
+    }
+    for (y = 0; y < plan->cfg.window / 2; y++) {
+        plfx_map top = plfx_map_row(out, y);
+        plfx_map bottom = plfx_map_row(out, plan->ny - 1 - y);
+        plfx_map_edge(&top);
+        plfx_map_edge(&bottom);
     }
     return PLFX_OK;
 }

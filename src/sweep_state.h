@@ -17,12 +17,11 @@ typedef struct plfx_sweep_state {
     int32_t pairs;                     /* winners a pixel: 1, or one a view */
     plfx_span *span;                   /* [pairs][labels] */
     uint16_t *cost;                    /* [labels][nx] window costs of one pair */
-    uint16_t *sample, *item;           /* [nx] */
+    uint16_t *sample;                  /* [nx] */
     uint32_t *tex_col, *tex;           /* [nx] gradient sums: columns, windows */
     plfx_pair_row out;                 /* [pairs][nx] each */
     int32_t *slopes;                   /* [pairs] of one lens */
     uint16_t *weights;                 /* [pairs] */
-    uint16_t *sad_col;                 /* [pairs][labels][nx] */
     uint32_t *b_col, *bb_col, *ab_col; /* [pairs][labels][nx] */
     uint32_t *a_col, *aa_col;          /* [nx] */
     uint64_t *a_sum;                   /* [nx] window sums of the reference */
@@ -30,12 +29,10 @@ typedef struct plfx_sweep_state {
 } plfx_sweep_state;
 
 /* Row y of the views enters (sign 1) or leaves (-1) the columns. */
-void plfx_sad_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
 void plfx_zncc_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
 void plfx_texture_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
 
 /* Window costs of pair p for the current columns, lenses r .. nx-1-r of s->cost. */
-void plfx_sad_cost(const plfx_sweep_state *s, int32_t p);
 void plfx_zncc_cost(const plfx_sweep_state *s, int32_t p);
 /* Reference statistics of the current columns; before plfx_zncc_cost(). */
 void plfx_zncc_reference(const plfx_sweep_state *s);

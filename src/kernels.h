@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT
+ * Row kernels on striped rows: the contract that every implementation keeps to the
+ * bit.
+ *
+ * Striping.  A row of nx samples is cut into PLFX_LANES segments of `blocks` samples;
+ * block b holds sample b of every segment: block b, lane i is sample i*blocks + b.
+ * Every step along the row (difference, column, running window, winner, fit) is then
+ * one operation on all lanes, without shuffles.  Block b of a row may be read at b =
+ * -left .. blocks-1+right: pads continue the row, with the first and the last sample
+ * replicated outside the map.
+ *
+ * Cells.  Costs, columns and window sums are stored [block][label][lane].  Window sums
+ * are biased by -2^15 so that a signed compare orders unsigned sums. */
+#ifndef PLENOFIX_SRC_KERNELS_H
+#define PLENOFIX_SRC_KERNELS_H
+
+#include <stdint.h>
+
+/* Lanes: 1, 2, 4, 8, 16 or 32.  Sizes of workspaces depend on it, results do not. */
+#ifndef PLFX_LANES
+#if defined(__AVX2__)
+#define PLFX_LANES 16
+#elif defined(__SSE2__) || defined(__ARM_NEON) || defined(__ALTIVEC__) ||              \
+    defined(__VECTOR__)
+#define PLFX_LANES 8
+#else
+#define PLFX_LANES 1
+#endif
+#endif
+
+#if PLFX_LANES == 1
+#define PLFX_LANE_BITS 0
+#elif PLFX_LANES == 2
+#define PLFX_LANE_BITS 1
+#elif PLFX_LANES == 4
+#define PLFX_LANE_BITS 2
+#elif PLFX_LANES == 8
+#define PLFX_LANE_BITS 3
+#elif PLFX_LANES == 16
+#define PLFX_LANE_BITS 4
+#elif PLFX_LANES == 32
+#define PLFX_LANE_BITS 5
+#else
+#error "PLFX_LANES must be 1, 2, 4, 8, 16 or 32"
+#endif
+
+#define PLFX_BIAS 32768
+
+/* Where a label reads a view: samples off and off + PLFX_LANES, counted from a base
+ * row, mixed with weights 16 - f and f (f in 1/16, stored times 2^11).  w_q4 is the
+ * weight of this source row against the one below it. */
+typedef struct plfx_tap {
+    int32_t off;
+    int16_t f_q15;
+    uint16_t w_q4;
+} plfx_tap;
+
+/* out: `blocks` blocks of lin[lane*blocks + b]. */
+void plfx_k_stripe(const int16_t *lin, int32_t blocks, int16_t *out);
+
+/* Pads around `blocks` blocks at row: `left` before, `right` behind. */
+void plfx_k_pads(int16_t *row, int32_t blocks, int32_t left, int32_t right,
+                 int16_t first, int16_t last);
+
+/* item[l] = or += |c - (v0*(16-f) + v1*f + 8 >> 4)| for each label's tap along one
+ * row. */
+void plfx_k_cost(uint16_t *item, const int16_t *c, const int16_t *base,
+                 const plfx_tap *tap, int32_t labels, int32_t first);
+
+/* The same over two rows: one rounding, NUMERICS.md. */
+void plfx_k_cost_2d(uint16_t *item, const int16_t *c, const int16_t *base,
+                    const plfx_tap *upper, const plfx_tap *lower, int32_t labels,
+                    int32_t first);
+
+/* item >>= shift over n cells. */
+void plfx_k_scale(uint16_t *item, int32_t n, int32_t shift);
+
+/* One block of a pair at whole-sample shifts, label l at right + l*step:
+ *   col += (|l0 - right| - |l1 - gone|) >> s1 each;  sum += (col >> s2) - (leave >> s2)
+ * with l1, gone (step gone_step) the row that leaves the window. */
+typedef struct plfx_pair_block {
+    uint16_t *col;
+    int16_t *sum;
+    const uint16_t *leave;
+    const int16_t *left, *right, *left_gone, *right_gone;
+    int32_t step, gone_step, labels, s1, s2;
+} plfx_pair_block;
+void plfx_k_pair(const plfx_pair_block *b);
+
+/* col += item - gone;  sum += (col >> s2) - (leave >> s2), n cells. */
+void plfx_k_update(uint16_t *col, int16_t *sum, const uint16_t *item,
+                   const uint16_t *gone, const uint16_t *leave, int32_t n, int32_t s2);
+
+/* sum += (enter >> s2) - (leave >> s2), n cells; enter need not be aligned. */
+void plfx_k_slide(int16_t *sum, const uint16_t *enter, const uint16_t *leave, int32_t n,
+                  int32_t s2);
+
+/* Winners of one block.  order[l*PLFX_LANES + i] = that index.  sum has one readable
+ * label before and behind. */
+typedef struct plfx_winners {
+    int16_t *code;  /* 32*label + fraction + 8, fraction -8 .. 8 sixteenths; the sign
+                            bit is set when a label that is no neighbour is as good */
+    uint16_t *conf; /* margin over the second best, select.c; NULL: not wanted */
+    uint16_t floor_cost; /* of the margin, under 2^14 */
+} plfx_winners;
+void plfx_k_select(const int16_t *sum, const int16_t *order, int32_t labels,
+                   int32_t fit, const plfx_winners *out);
+
+/* out[lane*blocks + b] = in[b*PLFX_LANES + lane] for indices under n. */
+void plfx_k_unstripe(const int16_t *in, int32_t blocks, int32_t n, int16_t *out);
+
+#endif

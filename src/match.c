@@ -1,0 +1,562 @@
+/* SPDX-License-Identifier: MIT */
+#include "match.h"
+#include "fix.h"
+
+#include <string.h>
+
+static int32_t other_view(const plfx_plan *plan, int32_t o)
+{
+    return o < plan->cfg.ref ? o : o + 1;
+}
+
+/* What the labels ask of the views: pads of each, rows around the target. */
+typedef struct survey {
+    int32_t flat, above, below;
+} survey;
+
+static void survey_shift(survey *v, int32_t *pads, const plfx_plan *plan, plfx_shift s)
+{
+    int32_t turn = s.ky != 0 || s.fy_q4 != 0;
+    int32_t odd = turn ? plfx_max_i32(plan->odd_q4, -plan->odd_q4) : 0;
+    int32_t x_q4 = 16 * s.kx + s.fx_q4;
+
+    pads[0] = plfx_max_i32(pads[0], -plfx_asr_i32(x_q4 - odd, 4));
+    pads[1] = plfx_max_i32(pads[1], plfx_asr_i32(x_q4 + odd, 4) + 1);
+    v->flat &= !turn;
+    v->above = plfx_max_i32(v->above, -s.ky);
+    v->below = plfx_max_i32(v->below, s.ky + (s.fy_q4 > 0));
+}
+
+static survey survey_view(const plfx_plan *plan, int32_t view, int32_t pads[2])
+{
+    survey v = {1, 0, 0};
+    int32_t l;
+
+    pads[0] = 0;
+    pads[1] = 0;
+    if (view != plan->cfg.ref) {
+        for (l = 0; l < plan->cfg.labels; l++) {
+            survey_shift(&v, pads, plan, plfx_plan_shift(plan, view, l));
+        }
+    }
+    return v;
+}
+
+/* Cost that counts as noise, winner.c. */
+static uint16_t sad_floor(const plfx_plan *p)
+{
+    uint32_t others = p->cfg.method == PLFX_METHOD_SWEEP ? p->cfg.n - 1u : 1u;
+    uint32_t w = p->cfg.window;
+    uint32_t sum = others * w * w * (1u << p->cfg.bits) / 1024u;
+
+    sum >>= p->sad_shift1 + p->sad_shift2;
+    return (uint16_t)(sum > 4u ? sum : 4u);
+}
+
+static void layout(plfx_match *m, const plfx_plan *plan, int32_t leave)
+{
+    int32_t w = plan->cfg.window;
+    int32_t k;
+
+    m->plan = plan;
+    m->others = plan->cfg.n - 1;
+    m->pairs = plan->cfg.method == PLFX_METHOD_PAIRS ? m->others : 1;
+    if (leave == PLFX_LEAVE_COSTS && m->pairs == m->others) {
+        leave = PLFX_LEAVE_ROWS; /* one view a cost: cheaper twice than kept */
+    }
+    m->leave = leave;
+    m->labels = plan->cfg.labels;
+    m->floor_cost = sad_floor(plan);
+    m->blocks = plfx_max_i32((plan->nx + PLFX_LANES - 1) / PLFX_LANES, w);
+    m->cells = m->labels * PLFX_LANES;
+    m->flat = 1;
+    m->above = 0;
+    m->below = 0;
+    m->slot_len = 0;
+    for (k = 0; k < plan->cfg.n; k++) {
+        int32_t pads[2];
+        survey v = survey_view(plan, k, pads);
+        m->flat &= v.flat;
+        m->above = plfx_max_i32(m->above, v.above);
+        m->below = plfx_max_i32(m->below, v.below);
+        m->slot_len += (pads[0] + m->blocks + pads[1]) * PLFX_LANES;
+    }
+    m->depth = 1 + m->above + m->below + (leave == PLFX_LEAVE_ROWS ? w : 0);
+}
+
+static void carve_taps(plfx_match *m, plfx_arena *a)
+{
+    size_t n = (size_t)(m->others * m->labels);
+
+    m->tap[0][0] = plfx_take(a, n, sizeof(plfx_tap));
+    m->tap[0][1] = m->tap[0][0];
+    m->tap[1][0] = m->tap[0][0];
+    m->tap[1][1] = m->tap[0][0];
+    m->shift_q4 = NULL;
+    if (!m->flat) {
+        m->shift_q4 = plfx_take(a, 2 * n, sizeof(int32_t));
+        m->tap[0][1] = plfx_take(a, n, sizeof(plfx_tap));
+        m->tap[1][0] = m->leave == PLFX_LEAVE_ROWS ? plfx_take(a, n, sizeof(plfx_tap))
+                                                   : m->tap[0][0];
+        m->tap[1][1] = m->leave == PLFX_LEAVE_ROWS ? plfx_take(a, n, sizeof(plfx_tap))
+                                                   : m->tap[0][1];
+    }
+}
+
+static void carve_rows(plfx_match *m, plfx_arena *a)
+{
+    size_t n = m->plan->cfg.n;
+    size_t nx = (size_t)m->plan->nx;
+    size_t wide = (size_t)m->blocks * PLFX_LANES;
+
+    m->tag =
+        plfx_take(a, (size_t)m->depth + 3u * n + (size_t)m->pairs, sizeof(int32_t));
+    m->row_at = m->tag + m->depth;
+    m->pads = m->row_at + n;
+    m->step = m->pads + 2u * n;
+    m->strip = plfx_take(a, (size_t)m->depth * (size_t)m->slot_len, sizeof(int16_t));
+    m->line = plfx_take(a, wide, sizeof(int16_t));
+    m->code = plfx_take(a, 2u * wide, sizeof(int16_t));
+    m->conf = (uint16_t *)m->code + wide;
+    m->code_row = plfx_take(a, 3u * nx, sizeof(int16_t));
+    m->conf_row = (uint16_t *)m->code_row + nx;
+    m->no_row = m->conf_row + nx;
+    m->tex_ring = NULL;
+    m->tex_above = NULL;
+    m->tex_col = NULL;
+    m->tex = NULL;
+    if (m->plan->cfg.texture > 0) {
+        m->tex_ring = plfx_take(a, (size_t)m->plan->cfg.window * nx, sizeof(uint16_t));
+        m->tex_above = plfx_take(a, nx, sizeof(uint16_t));
+        m->tex_col = plfx_take(a, 2u * nx, sizeof(uint32_t));
+        m->tex = m->tex_col + nx;
+    }
+}
+
+void plfx_match_carve(plfx_match *m, const plfx_plan *plan, int32_t leave,
+                      plfx_arena *a)
+{
+    size_t cells;
+    size_t columns;
+    size_t cell = sizeof(uint16_t);
+
+    layout(m, plan, leave);
+    cells = (size_t)m->cells;
+    columns = (size_t)m->pairs * (size_t)m->blocks * cells;
+    carve_taps(m, a);
+    carve_rows(m, a);
+    m->col = plfx_take(a, columns + PLFX_LANES, cell);
+    m->ring = NULL;
+    if (m->leave == PLFX_LEAVE_COSTS) {
+        m->ring = plfx_take(a, (size_t)plan->cfg.window * columns, cell);
+    }
+    m->item = plfx_take(a, cells, cell);
+    m->gone = m->leave == PLFX_LEAVE_ROWS ? plfx_take(a, cells, cell) : NULL;
+    m->zero = plfx_take(a, cells, cell);
+    m->order = plfx_take(a, cells, cell);
+    m->sum = plfx_take(a, cells + 2u * PLFX_LANES, cell);
+    m->sum = m->sum ? m->sum + PLFX_LANES : NULL;
+    m->span = plfx_take(a, (size_t)m->pairs * (size_t)m->labels, sizeof(plfx_span));
+}
+
+static void meet(plfx_span *to, plfx_span with)
+{
+    to->x0 = (int16_t)plfx_max_i32(to->x0, with.x0);
+    to->x1 = (int16_t)plfx_min_i32(to->x1, with.x1);
+    to->y0 = (int16_t)plfx_max_i32(to->y0, with.y0);
+    to->y1 = (int16_t)plfx_min_i32(to->y1, with.y1);
+}
+
+/* Shift, tap and span of one view at one label. */
+static void place(plfx_match *m, int32_t o, int32_t l)
+{
+    const plfx_plan *plan = m->plan;
+    int32_t view = other_view(plan, o);
+    plfx_shift s = plfx_plan_shift(plan, view, l);
+    size_t at = (size_t)(o * m->labels + l);
+    int32_t p = m->pairs > 1 ? o : 0;
+    plfx_span span = plfx_span_of(plan, s, plan->cfg.window / 2);
+    plfx_span *to = m->span + p * m->labels + l;
+
+    if (m->pairs > 1 || o == 0) {
+        *to = span;
+    } else {
+        meet(to, span);
+    }
+    m->tap[0][0][at].off = m->row_at[view] + s.kx * PLFX_LANES;
+    m->tap[0][0][at].f_q15 = (int16_t)(s.fx_q4 * 2048);
+    m->tap[0][0][at].w_q4 = 16;
+    if (!m->flat) {
+        m->shift_q4[2 * at] = 16 * s.kx + s.fx_q4;
+        m->shift_q4[2 * at + 1] = 16 * s.ky + s.fy_q4;
+    }
+}
+
+/* Samples between labels when one other view moves by whole, even steps; else 0. */
+static int32_t even_step(const plfx_match *m, int32_t o)
+{
+    const plfx_tap *t = m->tap[0][0] + o * m->labels;
+    int32_t step = t[1].off - t[0].off;
+    int32_t l;
+
+    if (!m->flat || m->others > m->pairs || t[0].f_q15 != 0) {
+        return 0;
+    }
+    for (l = 1; l < m->labels; l++) {
+        if (t[l].f_q15 != 0 || t[l].off - t[l - 1].off != step) {
+            return 0;
+        }
+    }
+    return step;
+}
+
+static void prepare(plfx_match *m)
+{
+    int32_t at = 0;
+    int32_t k;
+    int32_t l;
+
+    for (k = 0; k < m->plan->cfg.n; k++) {
+        (void)survey_view(m->plan, k, m->pads + 2 * k);
+        m->row_at[k] = at + m->pads[2 * k] * PLFX_LANES;
+        at = m->row_at[k] + (m->blocks + m->pads[2 * k + 1]) * PLFX_LANES;
+    }
+    for (k = 0; k < m->others; k++) {
+        for (l = 0; l < m->labels; l++) {
+            place(m, k, l);
+        }
+        if (k < m->pairs) {
+            m->step[k] = even_step(m, k);
+        }
+    }
+    for (k = 0; k < m->cells; k++) {
+        m->order[k] = (int16_t)k;
+    }
+    memset(m->zero, 0, (size_t)m->cells * sizeof(uint16_t));
+}
+
+void plfx_match_start(plfx_match *m, int32_t y0)
+{
+    size_t columns = (size_t)m->pairs * (size_t)m->blocks * (size_t)m->cells;
+    size_t cells = (size_t)m->cells + 2u * PLFX_LANES;
+    int32_t k;
+
+    prepare(m);
+    memset(m->col, 0, (columns + PLFX_LANES) * sizeof(uint16_t));
+    memset(m->sum - PLFX_LANES, 0, cells * sizeof(int16_t));
+    if (m->ring) {
+        memset(m->ring, 0, (size_t)m->plan->cfg.window * columns * sizeof(uint16_t));
+    }
+    for (k = 0; k < m->depth; k++) {
+        m->tag[k] = -1;
+    }
+    m->first = y0 - m->plan->cfg.window / 2;
+    m->next = m->first;
+    plfx_match_texture_start(m);
+}
+
+int32_t plfx_match_last(const plfx_match *m, int32_t y)
+{
+    return plfx_min_i32(y + m->plan->cfg.window / 2 + m->below, m->plan->ny - 1);
+}
+
+static void load_view(plfx_match *m, const uint16_t *px, int32_t k, int16_t *slot)
+{
+    int32_t nx = m->plan->nx;
+    int16_t last = (int16_t)px[nx - 1];
+    int32_t i;
+
+    memcpy(m->line, px, (size_t)nx * sizeof(uint16_t));
+    for (i = nx; i < m->blocks * PLFX_LANES; i++) {
+        m->line[i] = last;
+    }
+    plfx_k_stripe(m->line, m->blocks, slot + m->row_at[k]);
+    plfx_k_pads(slot + m->row_at[k], m->blocks, m->pads[2 * k], m->pads[2 * k + 1],
+                (int16_t)px[0], last);
+}
+
+/* Striped rows around target row y are in their slots. */
+static void load(plfx_match *m, const plfx_rows *src, int32_t y)
+{
+    int32_t r0 = plfx_max_i32(y - m->above, 0);
+    int32_t r1 = plfx_min_i32(y + m->below, m->plan->ny - 1);
+    size_t n = m->plan->cfg.n;
+    size_t nx = (size_t)m->plan->nx;
+    int32_t r;
+    int32_t k;
+
+    for (r = r0; r <= r1; r++) {
+        int32_t slot = r % m->depth;
+        const uint16_t *px = src->px + (size_t)(r % src->depth) * n * nx;
+        if (m->tag[slot] == r) {
+            continue;
+        }
+        for (k = 0; k < m->plan->cfg.n; k++) {
+            load_view(m, px + (size_t)k * nx, k, m->strip + slot * m->slot_len);
+        }
+        m->tag[slot] = r;
+    }
+}
+
+/* Tap of a source row for target row y. */
+static plfx_tap tap_at(const plfx_match *m, int32_t view, int32_t x_q4, int32_t y,
+                       int32_t row, int32_t w_q4)
+{
+    int32_t r = plfx_clamp_i32(row, 0, m->plan->ny - 1);
+    int32_t x = x_q4 + m->plan->odd_q4 * ((y & 1) - (r & 1));
+    int32_t k = plfx_asr_i32(x, 4);
+    plfx_tap t;
+
+    t.off = (r % m->depth) * m->slot_len + m->row_at[view] + k * PLFX_LANES;
+    t.f_q15 = (int16_t)((x - 16 * k) * 2048);
+    t.w_q4 = (uint16_t)w_q4;
+    return t;
+}
+
+/* Taps of target row y into set 0 (entering) or 1 (leaving). */
+static void aim(plfx_match *m, int32_t y, int32_t set)
+{
+    int32_t n = m->others * m->labels;
+    int32_t at;
+
+    if (m->flat) {
+        return;
+    }
+    for (at = 0; at < n; at++) {
+        int32_t view = other_view(m->plan, at / m->labels);
+        int32_t x = m->shift_q4[2 * at];
+        int32_t ky = plfx_asr_i32(m->shift_q4[2 * at + 1], 4);
+        int32_t fy = m->shift_q4[2 * at + 1] - 16 * ky;
+        m->tap[set][0][at] = tap_at(m, view, x, y, y + ky, 16 - fy);
+        m->tap[set][1][at] = tap_at(m, view, x, y, y + ky + (fy > 0), fy);
+    }
+}
+
+/* A cost row that enters or leaves: its slot and taps. */
+typedef struct stripe {
+    const int16_t *ref;  /* reference view, block 0 */
+    const int16_t *base; /* taps count from here, block 0 */
+    int32_t set;         /* which taps */
+} stripe;
+
+static stripe stripe_of(const plfx_match *m, int32_t y, int32_t set)
+{
+    const int16_t *slot = m->strip + (y % m->depth) * m->slot_len;
+    stripe s;
+
+    s.ref = slot + m->row_at[m->plan->cfg.ref];
+    s.base = m->flat ? slot : m->strip;
+    s.set = set;
+    return s;
+}
+
+/* Costs of block b for pair p. */
+static void block_cost(const plfx_match *m, int32_t p, const stripe *s, int32_t b,
+                       uint16_t *item)
+{
+    const int16_t *c = s->ref + b * PLFX_LANES;
+    const int16_t *base = s->base + b * PLFX_LANES;
+    int32_t per_pair = m->pairs > 1 ? 1 : m->others;
+    int32_t k;
+
+    for (k = 0; k < per_pair; k++) {
+        size_t at = (size_t)((p + k) * m->labels);
+        if (m->flat) {
+            plfx_k_cost(item, c, base, m->tap[0][0] + at, m->labels, k == 0);
+        } else {
+            plfx_k_cost_2d(item, c, base, m->tap[s->set][0] + at,
+                           m->tap[s->set][1] + at, m->labels, k == 0);
+        }
+    }
+    if (m->plan->sad_shift1) {
+        plfx_k_scale(item, m->cells, m->plan->sad_shift1);
+    }
+}
+
+/* One cost row enters the columns; emit: winners are wanted as the window slides. */
+typedef struct pass {
+    stripe in, out;
+    int32_t leaves; /* 1: `out` leaves */
+    uint16_t *held; /* ring row of pair 0, or NULL */
+    int32_t emit;
+    int32_t conf; /* 1: confidence wanted */
+} pass;
+
+static void winners(const plfx_match *m, const pass *s, int32_t b)
+{
+    int32_t at = (b - m->plan->cfg.window + 1) * PLFX_LANES;
+    plfx_winners out;
+
+    if (at < 0) {
+        return;
+    }
+    out.code = m->code + at;
+    out.conf = s->conf ? m->conf + at : NULL;
+    out.floor_cost = m->floor_cost;
+    plfx_k_select(m->sum, m->order, m->labels, m->plan->cfg.fit, &out);
+}
+
+static void run_whole(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
+{
+    int32_t to = m->tap[0][0][p * m->labels].off;
+    int32_t ahead = m->plan->cfg.window * m->cells;
+    int32_t gone = s->leaves ? PLFX_LANES : 0;
+    plfx_pair_block k;
+    int32_t b;
+
+    k.col = cols;
+    k.sum = m->sum;
+    k.left = s->in.ref;
+    k.right = s->in.base + to;
+    k.left_gone = s->leaves ? s->out.ref : (const int16_t *)m->zero;
+    k.right_gone = s->leaves ? s->out.base + to : (const int16_t *)m->zero;
+    k.step = m->step[p];
+    k.gone_step = s->leaves ? m->step[p] : 0;
+    k.labels = m->labels;
+    k.s1 = m->plan->sad_shift1;
+    k.s2 = m->plan->sad_shift2;
+    for (b = 0; b < m->blocks; b++) {
+        k.leave = b < m->plan->cfg.window ? m->zero : k.col - ahead;
+        plfx_k_pair(&k);
+        if (s->emit) {
+            winners(m, s, b);
+        }
+        k.col += m->cells;
+        k.left += PLFX_LANES;
+        k.right += PLFX_LANES;
+        k.left_gone += gone;
+        k.right_gone += gone;
+    }
+}
+
+static void run_general(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
+{
+    size_t cells = (size_t)m->cells;
+    size_t ahead = (size_t)m->plan->cfg.window * cells;
+    int32_t b;
+
+    for (b = 0; b < m->blocks; b++) {
+        uint16_t *col = cols + (size_t)b * cells;
+        const uint16_t *leave = b < m->plan->cfg.window ? m->zero : col - ahead;
+        const uint16_t *gone = m->zero;
+        uint16_t *held = NULL;
+        block_cost(m, p, &s->in, b, m->item);
+        if (s->held) {
+            held = s->held + (size_t)(p * m->blocks + b) * cells;
+            gone = held;
+        } else if (s->leaves) {
+            block_cost(m, p, &s->out, b, m->gone);
+            gone = m->gone;
+        }
+        plfx_k_update(col, m->sum, m->item, gone, leave, m->cells, m->plan->sad_shift2);
+        if (held) {
+            memcpy(held, m->item, cells * sizeof(uint16_t));
+        }
+        if (s->emit) {
+            winners(m, s, b);
+        }
+    }
+}
+
+static void run_pair(plfx_match *m, int32_t p, const pass *s)
+{
+    size_t cells = (size_t)m->cells;
+    uint16_t *cols = m->col + (size_t)(p * m->blocks) * cells;
+    int32_t w = m->plan->cfg.window;
+    int32_t b;
+
+    for (b = 0; b < m->cells; b++) {
+        m->sum[b] = INT16_MIN;
+    }
+    if (m->step[p] && !s->held) {
+        run_whole(m, p, s, cols);
+    } else {
+        run_general(m, p, s, cols);
+    }
+    for (b = m->blocks; s->emit && b < m->blocks + w - 1; b++) { /* one segment on */
+        plfx_k_slide(m->sum, cols + (size_t)(b - m->blocks) * cells + 1,
+                     cols + (size_t)(b - w) * cells, m->cells, m->plan->sad_shift2);
+        winners(m, s, b);
+    }
+}
+
+static void collect(plfx_match *m, int32_t p, int32_t y, const pass *s,
+                    const plfx_line *line)
+{
+    int32_t r = m->plan->cfg.window / 2;
+    int32_t n = m->plan->nx - 2 * r;
+
+    plfx_k_unstripe(m->code, m->blocks, n, m->code_row + r);
+    if (s->conf) {
+        plfx_k_unstripe((const int16_t *)m->conf, m->blocks, n,
+                        (int16_t *)m->conf_row + r);
+    }
+    plfx_match_judge(m, p, y, s->conf, line);
+}
+
+/* Row y of the source becomes ready to enter. */
+static pass begin(plfx_match *m, const plfx_rows *src, int32_t y)
+{
+    int32_t w = m->plan->cfg.window;
+    pass s;
+
+    load(m, src, y);
+    aim(m, y, 0);
+    s.in = stripe_of(m, y, 0);
+    s.out = s.in;
+    s.leaves = m->leave == PLFX_LEAVE_ROWS && y - w >= m->first;
+    if (s.leaves) {
+        aim(m, y - w, 1);
+        s.out = stripe_of(m, y - w, 1);
+    }
+    s.held = NULL;
+    if (m->leave == PLFX_LEAVE_COSTS) {
+        size_t row = (size_t)(m->pairs * m->blocks) * (size_t)m->cells;
+        s.held = m->ring + (size_t)(y % w) * row;
+    }
+    s.emit = 0;
+    s.conf = 0;
+    return s;
+}
+
+void plfx_match_row(plfx_match *m, const plfx_rows *src, int32_t y,
+                    const plfx_line *lines)
+{
+    int32_t last = y + m->plan->cfg.window / 2;
+    int32_t p;
+
+    for (; m->next <= last; m->next++) {
+        pass s = begin(m, src, m->next);
+        plfx_match_texture_row(m, src, m->next);
+        s.emit = m->next == last;
+        s.conf = lines->conf_u16 || lines->weight_u16 || m->plan->cfg.unique_u16 > 0;
+        if (s.emit) {
+            plfx_match_texture_sums(m);
+        }
+        for (p = 0; p < m->pairs; p++) {
+            run_pair(m, p, &s);
+            if (s.emit) {
+                collect(m, p, y, &s, lines + p);
+            }
+        }
+    }
+}
+
+void plfx_match_drop(plfx_match *m, const plfx_rows *src, int32_t y)
+{
+    int32_t row = y - m->plan->cfg.window / 2;
+    stripe s;
+    int32_t p;
+    int32_t b;
+
+    load(m, src, row);
+    aim(m, row, 0);
+    s = stripe_of(m, row, 0);
+    for (p = 0; p < m->pairs; p++) {
+        for (b = 0; b < m->blocks; b++) {
+            size_t at = (size_t)(p * m->blocks + b) * (size_t)m->cells;
+            block_cost(m, p, &s, b, m->item);
+            plfx_k_update(m->col + at, m->sum, m->zero, m->item, m->zero, m->cells, 0);
+        }
+    }
+}
