@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "match.h"
+#include "store.h"
 #include "fix.h"
 
 #include <string.h>
@@ -42,17 +43,6 @@ static survey survey_view(const plfx_plan *plan, int32_t view, int32_t pads[2])
     return v;
 }
 
-/* Cost that counts as noise, winner.c. */
-static uint16_t sad_floor(const plfx_plan *p)
-{
-    uint32_t others = p->cfg.method == PLFX_METHOD_SWEEP ? p->cfg.n - 1u : 1u;
-    uint32_t w = p->cfg.window;
-    uint32_t sum = others * w * w * (1u << p->cfg.bits) / 1024u;
-
-    sum >>= p->sad_shift1 + p->sad_shift2;
-    return (uint16_t)(sum > 4u ? sum : 4u);
-}
-
 static void layout(plfx_match *m, const plfx_plan *plan, int32_t leave)
 {
     int32_t w = plan->cfg.window;
@@ -66,7 +56,7 @@ static void layout(plfx_match *m, const plfx_plan *plan, int32_t leave)
     }
     m->leave = leave;
     m->labels = plan->cfg.labels;
-    m->floor_cost = sad_floor(plan);
+    m->floor_cost = (uint16_t)plfx_sad_floor(plan);
     m->blocks = plfx_max_i32((plan->nx + PLFX_LANES - 1) / PLFX_LANES, w);
     m->cells = m->labels * PLFX_LANES;
     m->flat = 1;
@@ -123,11 +113,13 @@ static void carve_rows(plfx_match *m, plfx_arena *a)
     m->no_row = m->conf_row + nx;
     m->tex_ring = NULL;
     m->tex_above = NULL;
+    m->tex_now = NULL;
     m->tex_col = NULL;
     m->tex = NULL;
     if (m->plan->cfg.texture > 0) {
         m->tex_ring = plfx_take(a, (size_t)m->plan->cfg.window * nx, sizeof(uint16_t));
-        m->tex_above = plfx_take(a, nx, sizeof(uint16_t));
+        m->tex_above = plfx_take(a, 2u * nx, sizeof(uint16_t));
+        m->tex_now = m->tex_above + nx;
         m->tex_col = plfx_take(a, 2u * nx, sizeof(uint32_t));
         m->tex = m->tex_col + nx;
     }
@@ -255,24 +247,58 @@ void plfx_match_start(plfx_match *m, int32_t y0)
     plfx_match_texture_start(m);
 }
 
-int32_t plfx_match_last(const plfx_match *m, int32_t y)
+int32_t plfx_match_from(const plfx_match *m)
 {
-    return plfx_min_i32(y + m->plan->cfg.window / 2 + m->below, m->plan->ny - 1);
+    int32_t before = m->plan->cfg.texture > 0 ? plfx_max_i32(m->above, 1) : m->above;
+
+    return plfx_max_i32(m->first - before, 0);
 }
 
-static void load_view(plfx_match *m, const uint16_t *px, int32_t k, int16_t *slot)
+void plfx_match_fetch(const plfx_match *m, const plfx_rows *src, int32_t r, int32_t k,
+                      uint16_t *row)
+{
+    size_t n = m->plan->cfg.n;
+    size_t nx = (size_t)m->plan->nx;
+
+    if (r < src->packed_end) {
+        size_t at = (size_t)(r % src->packed_depth) * n + (size_t)k;
+        size_t len = plfx_store_bytes(m->plan->nx, m->plan->cfg.bits);
+        plfx_store_get(src->packed + at * len, m->plan->nx, m->plan->cfg.bits, row);
+    } else {
+        memcpy(row, src->px + ((size_t)(r % src->depth) * n + (size_t)k) * nx,
+               nx * sizeof(uint16_t));
+    }
+}
+
+static void load_view(plfx_match *m, const plfx_rows *src, int32_t r, int32_t k,
+                      int16_t *slot)
 {
     int32_t nx = m->plan->nx;
-    int16_t last = (int16_t)px[nx - 1];
+    int16_t last;
     int32_t i;
 
-    memcpy(m->line, px, (size_t)nx * sizeof(uint16_t));
+    plfx_match_fetch(m, src, r, k, (uint16_t *)m->line);
+    last = m->line[nx - 1];
     for (i = nx; i < m->blocks * PLFX_LANES; i++) {
         m->line[i] = last;
     }
     plfx_k_stripe(m->line, m->blocks, slot + m->row_at[k]);
     plfx_k_pads(slot + m->row_at[k], m->blocks, m->pads[2 * k], m->pads[2 * k + 1],
-                (int16_t)px[0], last);
+                m->line[0], last);
+}
+
+static void load_row(plfx_match *m, const plfx_rows *src, int32_t r)
+{
+    int32_t slot = r % m->depth;
+    int32_t k;
+
+    if (m->tag[slot] == r) {
+        return;
+    }
+    for (k = 0; k < m->plan->cfg.n; k++) {
+        load_view(m, src, r, k, m->strip + slot * m->slot_len);
+    }
+    m->tag[slot] = r;
 }
 
 /* Striped rows around target row y are in their slots. */
@@ -280,21 +306,20 @@ static void load(plfx_match *m, const plfx_rows *src, int32_t y)
 {
     int32_t r0 = plfx_max_i32(y - m->above, 0);
     int32_t r1 = plfx_min_i32(y + m->below, m->plan->ny - 1);
-    size_t n = m->plan->cfg.n;
-    size_t nx = (size_t)m->plan->nx;
     int32_t r;
-    int32_t k;
 
     for (r = r0; r <= r1; r++) {
-        int32_t slot = r % m->depth;
-        const uint16_t *px = src->px + (size_t)(r % src->depth) * n * nx;
-        if (m->tag[slot] == r) {
-            continue;
-        }
-        for (k = 0; k < m->plan->cfg.n; k++) {
-            load_view(m, px + (size_t)k * nx, k, m->strip + slot * m->slot_len);
-        }
-        m->tag[slot] = r;
+        load_row(m, src, r);
+    }
+}
+
+void plfx_match_feed(plfx_match *m, const plfx_rows *src, int32_t r)
+{
+    if (r == m->first - 1) {
+        plfx_match_texture_before(m, src, r);
+    }
+    if (m->leave != PLFX_LEAVE_DROP && r >= m->first - m->above) {
+        load_row(m, src, r);
     }
 }
 
@@ -519,27 +544,46 @@ static pass begin(plfx_match *m, const plfx_rows *src, int32_t y)
     return s;
 }
 
+static void enter_row(plfx_match *m, const plfx_rows *src, const plfx_line *lines,
+                      int32_t y)
+{
+    pass s;
+    int32_t p;
+
+    if (m->next == m->first && m->first > 0) {
+        plfx_match_texture_before(m, src, m->first - 1);
+    }
+    s = begin(m, src, m->next);
+    plfx_match_texture_row(m, m->next);
+    if (lines) {
+        s.emit = 1;
+        s.conf = lines->conf_u16 || lines->weight_u16 || m->plan->cfg.unique_u16 > 0;
+        plfx_match_texture_sums(m);
+    }
+    for (p = 0; p < m->pairs; p++) {
+        run_pair(m, p, &s);
+        if (lines) {
+            collect(m, p, y, &s, lines + p);
+        }
+    }
+    m->next++;
+}
+
+void plfx_match_enter(plfx_match *m, const plfx_rows *src, int32_t last)
+{
+    int32_t rows = last - m->next + 1;
+    int32_t i;
+
+    for (i = 0; i < rows; i++) {
+        enter_row(m, src, NULL, 0);
+    }
+}
+
 void plfx_match_row(plfx_match *m, const plfx_rows *src, int32_t y,
                     const plfx_line *lines)
 {
-    int32_t last = y + m->plan->cfg.window / 2;
-    int32_t p;
-
-    for (; m->next <= last; m->next++) {
-        pass s = begin(m, src, m->next);
-        plfx_match_texture_row(m, src, m->next);
-        s.emit = m->next == last;
-        s.conf = lines->conf_u16 || lines->weight_u16 || m->plan->cfg.unique_u16 > 0;
-        if (s.emit) {
-            plfx_match_texture_sums(m);
-        }
-        for (p = 0; p < m->pairs; p++) {
-            run_pair(m, p, &s);
-            if (s.emit) {
-                collect(m, p, y, &s, lines + p);
-            }
-        }
-    }
+    plfx_match_enter(m, src, y + m->plan->cfg.window / 2 - 1);
+    enter_row(m, src, lines, y);
 }
 
 void plfx_match_drop(plfx_match *m, const plfx_rows *src, int32_t y)

@@ -14,10 +14,14 @@
 
 enum { PLFX_LEAVE_ROWS, PLFX_LEAVE_COSTS, PLFX_LEAVE_DROP };
 
-/* Where view rows lie: row j of view k at px + ((j % depth)*n + k)*nx. */
+/* Where view rows lie.  Row j of view k: from row `packed_end` on at
+ * px + ((j % depth)*n + k)*nx, rows before it packed (store.h) in row slots
+ * j % packed_depth. */
 typedef struct plfx_rows {
     const uint16_t *px;
     int32_t depth;
+    const uint8_t *packed;
+    int32_t packed_depth, packed_end;
 } plfx_rows;
 
 typedef struct plfx_line { /* winners of one pair along a row, lenses 0 .. nx-1 */
@@ -58,6 +62,8 @@ typedef struct plfx_match {
     plfx_span *span;         /* [pairs][labels] */
     uint16_t *tex_ring;      /* [window][nx] gradients, when the texture test is on */
     uint16_t *tex_above;     /* [nx] the reference row before */
+    uint16_t *tex_now;       /* [nx] */
+    int32_t tex_ready;       /* 1: tex_above holds the row before the first */
     uint32_t *tex_col, *tex; /* [nx] */
 } plfx_match;
 
@@ -68,8 +74,13 @@ void plfx_match_carve(plfx_match *m, const plfx_plan *plan, int32_t leave,
 /* Forget all rows; the first output row is y0: window/2 <= y0. */
 void plfx_match_start(plfx_match *m, int32_t y0);
 
-/* Rows needed from the source for output row y: y - reach .. plfx_match_last(m, y). */
-int32_t plfx_match_last(const plfx_match *m, int32_t y);
+/* Row r of the source has come and may go; in order, from plfx_match_from() on.  Not
+ * needed where the source keeps its rows. */
+void plfx_match_feed(plfx_match *m, const plfx_rows *src, int32_t r);
+int32_t plfx_match_from(const plfx_match *m);
+
+/* Cost rows up to `last` enter the columns. */
+void plfx_match_enter(plfx_match *m, const plfx_rows *src, int32_t last);
 
 /* Lenses of output row y for every pair, y consecutive from y0 on; lines[p]. */
 void plfx_match_row(plfx_match *m, const plfx_rows *src, int32_t y,
@@ -84,7 +95,12 @@ void plfx_match_judge(plfx_match *m, int32_t p, int32_t y, int32_t conf,
 
 /* Texture of the reference: row y enters, the row a window before leaves. */
 void plfx_match_texture_start(plfx_match *m);
-void plfx_match_texture_row(plfx_match *m, const plfx_rows *src, int32_t y);
+void plfx_match_texture_before(plfx_match *m, const plfx_rows *src, int32_t r);
+void plfx_match_texture_row(plfx_match *m, int32_t y);
 void plfx_match_texture_sums(plfx_match *m);
+
+/* Row r of view k out of the source. */
+void plfx_match_fetch(const plfx_match *m, const plfx_rows *src, int32_t r, int32_t k,
+                      uint16_t *row);
 
 #endif

@@ -215,9 +215,18 @@ void plfx_match_texture_start(plfx_match *m)
 {
     size_t nx = (size_t)m->plan->nx;
 
-    if (m->plan->cfg.texture > 0) {
+    m->tex_ready = m->plan->cfg.texture == 0;
+    if (!m->tex_ready) {
         memset(m->tex_ring, 0, (size_t)m->plan->cfg.window * nx * sizeof(uint16_t));
         memset(m->tex_col, 0, nx * sizeof(uint32_t));
+    }
+}
+
+void plfx_match_texture_before(plfx_match *m, const plfx_rows *src, int32_t r)
+{
+    if (!m->tex_ready) {
+        plfx_match_fetch(m, src, r, m->plan->cfg.ref, m->tex_above);
+        m->tex_ready = 1;
     }
 }
 
@@ -226,27 +235,21 @@ static uint16_t apart(uint16_t a, uint16_t b)
     return (uint16_t)(a > b ? a - b : b - a);
 }
 
-void plfx_match_texture_row(plfx_match *m, const plfx_rows *src, int32_t y)
+void plfx_match_texture_row(plfx_match *m, int32_t y)
 {
     size_t nx = (size_t)m->plan->nx;
-    size_t n = m->plan->cfg.n;
     int32_t a = axes(m->plan);
-    const uint16_t *now;
-    const uint16_t *above;
+    const int16_t *slot = m->strip + (y % m->depth) * m->slot_len;
+    uint16_t *now = m->tex_now;
+    const uint16_t *above = m->tex_ready ? m->tex_above : now;
     uint16_t *held;
     size_t i;
 
     if (m->plan->cfg.texture == 0) {
         return;
     }
-    now = src->px + ((size_t)(y % src->depth) * n + m->plan->cfg.ref) * nx;
-    above = m->tex_above;
-    if (y == m->first) {
-        above = y == 0
-                    ? now
-                    : src->px +
-                          ((size_t)((y - 1) % src->depth) * n + m->plan->cfg.ref) * nx;
-    }
+    plfx_k_unstripe(slot + m->row_at[m->plan->cfg.ref], m->blocks, m->plan->nx,
+                    (int16_t *)now);
     held = m->tex_ring + (size_t)(y % m->plan->cfg.window) * nx;
     for (i = 0; i < nx; i++) {
         uint16_t d = (uint16_t)((a & 2 ? apart(now[i], above[i]) : 0) +
@@ -255,6 +258,7 @@ void plfx_match_texture_row(plfx_match *m, const plfx_rows *src, int32_t y)
         held[i] = d;
     }
     memcpy(m->tex_above, now, nx * sizeof(uint16_t));
+    m->tex_ready = 1;
 }
 
 void plfx_match_texture_sums(plfx_match *m)

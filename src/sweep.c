@@ -188,7 +188,7 @@ static void sweep_zncc(const plfx_plan *plan, const plfx_views *views,
 static void sweep_sad(const plfx_plan *plan, const plfx_views *views,
                       const plfx_map *out, plfx_arena *a)
 {
-    plfx_rows src = {views->px, plan->ny};
+    plfx_rows src = {views->px, plan->ny, NULL, 1, 0};
     plfx_engine e;
     int32_t r = plan->cfg.window / 2;
     int32_t y;

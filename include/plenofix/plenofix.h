@@ -15,5 +15,6 @@
 #include "plenofix/fuse.h"
 #include "plenofix/depth.h"
 #include "plenofix/refocus.h"
+#include "plenofix/stream.h"
 
 #endif

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT
+ * Streaming: sensor rows in, map rows out.  No raw row is kept: each lens row gathers
+ * its taps as the rows pass, each view row is matched as soon as it is whole.  The map
+ * is that of plfx_view_all() and plfx_sweep() to the bit, whatever the profile.
+ *
+ *   plfx_stream_init(&s, &cfg, ws, size);
+ *   for (y = 0; y < sensor_h; y++) {
+ *       plfx_stream_push(&s, y, &row, &ready);
+ *       while (ready > 0) {
+ *           plfx_stream_pop(&s, &j, &line, &ready);
+ *       }
+ *   }
+ *   plfx_stream_finish(&s);          then plfx_stream_reset() for the next frame */
+#ifndef PLENOFIX_STREAM_H
+#define PLENOFIX_STREAM_H
+
+#include "plenofix/plan.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum plfx_profile {
+    PLFX_PROFILE_SMALL = 0, /* least memory: view rows at rest in 8 or 12 bits a sample,
+                               leaving costs computed again */
+    PLFX_PROFILE_FAST       /* a ring of cost rows (SWEEP of 3 and more views) or of
+                               striped view rows, cached lens centres */
+} plfx_profile;
+
+#define PLFX_STREAM_OPEN_MAX 8 /* lens rows gathering taps at the same time */
+
+typedef struct plfx_stream_cfg {
+    const plfx_plan *plan; /* made with `lut`; SAD; kept */
+    const plfx_lut *lut;   /* kept, with its blob */
+    plfx_tone tone;        /* tone.bits = plan->cfg.bits */
+    uint8_t profile;       /* plfx_profile */
+    uint8_t white;         /* 1: the table's gains */
+    uint8_t format;        /* plfx_raw_format of the rows */
+    uint8_t bits;          /* significant bits of a raw pixel, 8 .. 16 */
+    int32_t open_rows;     /* 1 .. PLFX_STREAM_OPEN_MAX, plfx_stream_open_rows() */
+    int32_t j0, j1;        /* map rows wanted, 0 <= j0 < j1 <= ny */
+} plfx_stream_cfg;
+
+typedef struct plfx_stream {
+    plfx_stream_cfg cfg;
+    void *state;     /* in the workspace */
+    int32_t y;       /* next sensor row */
+    int32_t j;       /* next map row */
+    int32_t ready;   /* map rows up to here can be popped */
+    int32_t started; /* 1: a row has come */
+} plfx_stream;
+
+/* Lens rows that gather taps at the same time with this table, plan and tone: the least
+ * open_rows that plfx_stream_init() takes; 0 when no number does (E_RANGE: lens rows of
+ * the table are not in the order of the sensor's, or over 8 overlap).
+ * Cost: one pass over the lenses. */
+int32_t plfx_stream_open_rows(const plfx_lut *lut, const plfx_plan *plan,
+                              const plfx_tone *tone);
+
+/* Workspace, bytes: exactly that much is enough and is needed; 0 when the
+ * configuration is out of range.  A function of sizes alone, not of the table's
+ * content. */
+size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
+
+/* PLFX_OK, PLFX_E_ARG (also NCC and GRADIENT plans), PLFX_E_SIZE, PLFX_E_RANGE (the
+ * table needs more open rows). */
+plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *ws,
+                             size_t ws_size) PLFX_MUST_USE;
+
+/* First and last sensor row that the wanted map rows depend on; rows before the first
+ * need not be pushed.  last < first: none at all. */
+void plfx_stream_rows(const plfx_stream *s, int32_t *first, int32_t *last);
+
+/* Sensor row y; *ready: map rows that can be popped now.  Rows come in order; the
+ * first may be any row up to the first one needed.  PLFX_OK, PLFX_E_ARG (y off the
+ * sensor, or a row that is not as configured), PLFX_E_STATE (y is not the next row,
+ * or map rows wait: pop first).  After an error the stream is as before the call. */
+plfx_status plfx_stream_push(plfx_stream *s, int32_t y, const plfx_raw_row *row,
+                             int32_t *ready) PLFX_MUST_USE;
+
+/* Rows y .. y+h-1 in one bit stream.  *used: rows taken, fewer than h when map rows
+ * wait; call again with the rest after popping.  Same errors; PLFX_E_ARG for no
+ * rows. */
+plfx_status plfx_stream_push_band(plfx_stream *s, int32_t y, const plfx_raw *band,
+                                  int32_t *used, int32_t *ready) PLFX_MUST_USE;
+
+/* The next map row into `row`, a map of one row (h = 1, w = nx), and its number;
+ * *ready: rows that can be popped after it.  PLFX_OK, PLFX_E_ARG, PLFX_E_STATE (none
+ * ready). */
+plfx_status plfx_stream_pop(plfx_stream *s, int32_t *j, const plfx_map *row,
+                            int32_t *ready) PLFX_MUST_USE;
+
+/* End of the frame: PLFX_OK when every wanted map row was popped, else PLFX_E_STATE.
+ * Changes nothing. */
+plfx_status plfx_stream_finish(const plfx_stream *s) PLFX_MUST_USE;
+
+/* Forget the frame, at any time, and begin another. */
+plfx_status plfx_stream_reset(plfx_stream *s) PLFX_MUST_USE;
+
+#ifdef __cplusplus
+}
+#endif
+#endif

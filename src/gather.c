@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+#include "gather.h"
+#include "fix.h"
+
+/* Pixels under one lens: offsets of +-128 px and two taps. */
+#define SEGMENT_MAX 260
+
+void plfx_gather_carve(plfx_gather *g, const plfx_stream_cfg *cfg, plfx_arena *a)
+{
+    size_t nx = (size_t)cfg->lut->lattice.nx;
+    size_t open = (size_t)cfg->open_rows;
+    size_t n = cfg->plan->cfg.n;
+    int32_t fast = cfg->profile == PLFX_PROFILE_FAST;
+
+    g->lut = cfg->lut;
+    g->tone = cfg->tone;
+    g->at = cfg->plan->cfg.at;
+    g->n = cfg->plan->cfg.n;
+    g->open = cfg->open_rows;
+    g->white = cfg->white && cfg->lut->gain.length > 0;
+    g->bits = cfg->bits;
+    g->shift = plfx_take(a, n, sizeof(plfx_point));
+    g->centre = fast ? plfx_take(a, open * nx, sizeof(plfx_point)) : NULL;
+    g->rows = plfx_take(a, open * n * nx, sizeof(uint16_t));
+    g->gain = g->white ? plfx_take(a, nx, sizeof(uint16_t)) : NULL;
+    g->pixels = NULL;
+    if (fast && cfg->format != PLFX_RAW_U16) {
+        g->pixels = plfx_take(a, (size_t)cfg->lut->sensor_w, sizeof(uint16_t));
+    }
+}
+
+void plfx_gather_start(plfx_gather *g)
+{
+    int32_t k;
+
+    for (k = 0; k < g->n; k++) {
+        plfx_point s = plfx_view_offset(g->lut, g->at[k]);
+        s.x_q16 += 256 * g->tone.dx_q8 + 128;
+        s.y_q16 += 256 * g->tone.dy_q8 + 128;
+        if (g->shift) {
+            g->shift[k] = s;
+        }
+        g->least.x_q16 = k ? plfx_min_i32(g->least.x_q16, s.x_q16) : s.x_q16;
+        g->least.y_q16 = k ? plfx_min_i32(g->least.y_q16, s.y_q16) : s.y_q16;
+        g->most.x_q16 = k ? plfx_max_i32(g->most.x_q16, s.x_q16) : s.x_q16;
+        g->most.y_q16 = k ? plfx_max_i32(g->most.y_q16, s.y_q16) : s.y_q16;
+    }
+}
+
+/* Sensor rows under the lens at c. */
+static plfx_rows_span under(const plfx_gather *g, plfx_point c)
+{
+    int32_t last = g->lut->sensor_h - 1;
+    plfx_rows_span s;
+
+    s.lo = plfx_clamp_i32(plfx_asr_i32(c.y_q16 + g->least.y_q16, 16), 0, last);
+    s.hi = plfx_clamp_i32(plfx_asr_i32(c.y_q16 + g->most.y_q16, 16) + 1, 0, last);
+    return s;
+}
+
+static int32_t missing(const plfx_gather *g, int32_t i, int32_t j)
+{
+    return (plfx_lut_flags(g->lut, i, j) & PLFX_LENS_MISSING) != 0;
+}
+
+plfx_rows_span plfx_gather_span(const plfx_gather *g, int32_t j)
+{
+    plfx_rows_span all = {INT32_MAX, -1};
+    int32_t i;
+
+    for (i = 0; i < g->lut->lattice.nx; i++) {
+        if (!missing(g, i, j)) {
+            plfx_rows_span s = under(g, plfx_lut_centre(g->lut, i, j));
+            all.lo = plfx_min_i32(all.lo, s.lo);
+            all.hi = plfx_max_i32(all.hi, s.hi);
+        }
+    }
+    return all;
+}
+
+void plfx_gather_open(plfx_gather *g, int32_t j)
+{
+    int32_t slot = j % g->open;
+    int32_t nx = g->lut->lattice.nx;
+    plfx_rows_span s = plfx_gather_span(g, j);
+    int32_t i;
+
+    g->lo[slot] = s.lo;
+    g->hi[slot] = s.hi;
+    for (i = 0; g->centre && i < nx; i++) {
+        g->centre[(size_t)slot * (size_t)nx + (size_t)i] =
+            plfx_lut_centre(g->lut, i, j);
+    }
+}
+
+void plfx_gather_unpack(plfx_gather *g, const plfx_raw_row *row)
+{
+    if (g->pixels) {
+        plfx_status checked = plfx_raw_unpack(row, 0, row->width, g->pixels);
+        (void)checked; /* by the caller: it cannot fail */
+    }
+}
+
+/* Pixels x0 .. x1 of a row: in place, from the unpacked row, or unpacked here. */
+static const uint16_t *segment(const plfx_gather *g, const plfx_raw_row *row,
+                               int32_t x0, int32_t x1, uint16_t *room)
+{
+    plfx_status checked;
+
+    if (row->format == PLFX_RAW_U16) {
+        return (const uint16_t *)(const void *)row->bytes + x0;
+    }
+    if (g->pixels) {
+        return g->pixels + x0;
+    }
+    checked = plfx_raw_unpack(row, x0, x1 - x0 + 1, room);
+    (void)checked; /* by the caller: it cannot fail */
+    return room;
+}
+
+typedef struct lens { /* what the taps of one lens share */
+    plfx_point c;
+    const uint16_t *px; /* pixel x0 */
+    int32_t x0, y;
+} lens;
+
+/* Mean of two neighbours, 16 bits (view.h). */
+static uint32_t along(const plfx_gather *g, const lens *l, int32_t x_q8)
+{
+    int32_t last = g->lut->sensor_w - 1;
+    int32_t x = plfx_asr_i32(x_q8, 8);
+    uint32_t f = (uint32_t)(x_q8 - 256 * x);
+    uint32_t p = l->px[plfx_clamp_i32(x, 0, last) - l->x0];
+    uint32_t q = l->px[plfx_clamp_i32(x + 1, 0, last) - l->x0];
+    int32_t k = g->bits - 8;
+
+    return (p * (256u - f) + q * f + ((1u << k) >> 1)) >> k;
+}
+
+static void tap(const plfx_gather *g, const lens *l, int32_t k, uint16_t *to)
+{
+    int32_t last = g->lut->sensor_h - 1;
+    int32_t y_q8 = plfx_asr_i32(l->c.y_q16 + g->shift[k].y_q16, 8);
+    int32_t r = plfx_asr_i32(y_q8, 8);
+    int32_t first = plfx_clamp_i32(r, 0, last);
+    uint32_t f = (uint32_t)(y_q8 - 256 * r);
+
+    if (l->y == first) {
+        *to = (uint16_t)along(g, l, plfx_asr_i32(l->c.x_q16 + g->shift[k].x_q16, 8));
+    } else if (l->y == r + 1) {
+        uint32_t h = along(g, l, plfx_asr_i32(l->c.x_q16 + g->shift[k].x_q16, 8));
+        *to = (uint16_t)((*to * (256u - f) + h * f + 128u) >> 8);
+    }
+}
+
+/* All views of a lens that has taps in row y. */
+static void taps(const plfx_gather *g, plfx_point c, int32_t y, const plfx_raw_row *row,
+                 uint16_t *to)
+{
+    int32_t last = g->lut->sensor_w - 1;
+    size_t nx = (size_t)g->lut->lattice.nx;
+    uint16_t room[SEGMENT_MAX];
+    int32_t x1;
+    int32_t k;
+    lens l;
+
+    l.c = c;
+    l.y = y;
+    l.x0 = plfx_clamp_i32(plfx_asr_i32(c.x_q16 + g->least.x_q16, 16), 0, last);
+    x1 = plfx_clamp_i32(plfx_asr_i32(c.x_q16 + g->most.x_q16, 16) + 1, 0, last);
+    l.px = segment(g, row, l.x0, x1, room);
+    for (k = 0; k < g->n; k++) {
+        tap(g, &l, k, to + (size_t)k * nx);
+    }
+}
+
+void plfx_gather_taps(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *row)
+{
+    int32_t nx = g->lut->lattice.nx;
+    int32_t slot = j % g->open;
+    uint16_t *to = g->rows + (size_t)(slot * g->n) * (size_t)nx;
+    int32_t i;
+
+    if (y < g->lo[slot] || y > g->hi[slot]) {
+        return;
+    }
+    for (i = 0; i < nx; i++) {
+        plfx_point c = g->centre ? g->centre[(size_t)slot * (size_t)nx + (size_t)i]
+                                 : plfx_lut_centre(g->lut, i, j);
+        plfx_rows_span s = under(g, c);
+        if (y >= s.lo && y <= s.hi && !missing(g, i, j)) {
+            taps(g, c, y, row, to + i);
+        }
+    }
+}
+
+typedef struct curve { /* tone.h's arithmetic, the same for a row */
+    uint32_t black, clipped, gain, top;
+    int32_t down;
+} curve;
+
+static curve curve_of(const plfx_gather *g)
+{
+    const plfx_tone *t = &g->tone;
+    uint32_t full = ((1u << g->bits) - 1u) << (16 - g->bits);
+    curve c;
+
+    c.black = t->black_u16;
+    c.clipped = full < t->sat_u16 ? full : t->sat_u16;
+    c.gain = t->gain_q12;
+    c.top = (1u << t->bits) - 1u;
+    c.down = 28 - t->bits - t->shift; /* 8 .. 28 */
+    return c;
+}
+
+/* Without gains: 16 + 13 bits. */
+static void tone_row(curve c, uint16_t *row, int32_t n)
+{
+    uint32_t half = 1u << (c.down - 1);
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        uint32_t v = row[i];
+        uint32_t lit = v > c.black ? v - c.black : 0u;
+        uint32_t out = (lit * c.gain + half) >> c.down;
+        row[i] = (uint16_t)(v >= c.clipped || out > c.top ? c.top : out);
+    }
+}
+
+static void tone_row_white(curve c, const uint16_t *gain_u13, uint16_t *row, int32_t n)
+{
+    uint64_t half = (uint64_t)1 << (c.down - 1);
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        uint32_t v = row[i];
+        uint32_t lit = v > c.black ? v - c.black : 0u;
+        uint32_t even = (lit * gain_u13[i] + 4096u) >> 13; /* 19 bits */
+        uint64_t out = ((uint64_t)even * c.gain + half) >> c.down;
+        row[i] = (uint16_t)(v >= c.clipped || out > c.top ? c.top : out);
+    }
+}
+
+void plfx_gather_close(plfx_gather *g, int32_t j)
+{
+    int32_t nx = g->lut->lattice.nx;
+    curve c = curve_of(g);
+    int32_t k;
+    int32_t i;
+
+    for (k = 0; k < g->n; k++) {
+        uint16_t *row = g->rows + (size_t)((j % g->open) * g->n + k) * (size_t)nx;
+        if (g->white) {
+            plfx_status known =
+                plfx_lut_gain_row(g->lut, j, g->at[k].u_q8, g->at[k].v_q8, g->gain);
+            (void)known; /* the table was opened: it cannot fail */
+            tone_row_white(c, g->gain, row, nx);
+        } else {
+            tone_row(c, row, nx);
+        }
+        for (i = 0; g->lut->flag.length > 0 && i < nx; i++) {
+            row[i] = missing(g, i, j) ? 0 : row[i];
+        }
+    }
+}

@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: MIT */
+#include "plenofix/stream.h"
+#include "engine.h"
+#include "gather.h"
+#include "store.h"
+#include "fix.h"
+
+typedef struct state {
+    plfx_engine engine;
+    plfx_gather gather;
+    uint8_t *store; /* [store_depth] view rows at rest, small profile */
+    int32_t store_depth;
+    int32_t open_end;  /* lens rows before it are open or whole */
+    int32_t whole_end; /* lens rows before it are whole */
+    int32_t store_end; /* lens rows before it are at rest */
+    int32_t from, to;  /* lens rows needed: from .. to - 1 */
+    int32_t y0, y1;    /* map rows that are matched: y0 .. y1 - 1 */
+} state;
+
+static int32_t small(const plfx_stream_cfg *c)
+{
+    return c->profile == PLFX_PROFILE_SMALL;
+}
+
+static int32_t tone_ok(const plfx_tone *t)
+{
+    return t->gain_q12 >= 4096u && t->gain_q12 <= 8191u && t->shift >= -8 &&
+           t->shift <= 8 && t->dx_q8 >= -256 && t->dx_q8 <= 256 && t->dy_q8 >= -256 &&
+           t->dy_q8 <= 256;
+}
+
+static int32_t raw_ok(const plfx_stream_cfg *c)
+{
+    return plfx_raw_bpp(c->format) > 0 && c->bits >= 8 && c->bits <= 16;
+}
+
+static int32_t cfg_ok(const plfx_stream_cfg *c)
+{
+    if (!c || !c->plan || !c->lut || c->profile > PLFX_PROFILE_FAST || !raw_ok(c) ||
+        !tone_ok(&c->tone)) {
+        return 0;
+    }
+    return c->plan->nx == c->lut->lattice.nx && c->plan->ny == c->lut->lattice.ny &&
+           c->plan->cfg.method != PLFX_METHOD_GRADIENT &&
+           c->plan->cfg.cost == PLFX_COST_SAD && c->tone.bits == c->plan->cfg.bits &&
+           c->open_rows >= 1 && c->open_rows <= PLFX_STREAM_OPEN_MAX && c->j0 >= 0 &&
+           c->j0 < c->j1 && c->j1 <= c->plan->ny;
+}
+
+/* The state itself comes first, then what it points to. */
+static void carve(state *s, const plfx_stream_cfg *c, plfx_arena *a)
+{
+    size_t row;
+
+    (void)plfx_take(a, 1, sizeof(state));
+    plfx_engine_carve(&s->engine, c->plan,
+                      small(c) ? PLFX_LEAVE_DROP : PLFX_LEAVE_COSTS, a);
+    plfx_gather_carve(&s->gather, c, a);
+    s->store = NULL;
+    s->store_depth = 1;
+    if (small(c)) {
+        s->store_depth =
+            c->plan->cfg.window + s->engine.match.above + s->engine.match.below - 1;
+        row = plfx_store_bytes(c->plan->nx, c->plan->cfg.bits) * c->plan->cfg.n;
+        s->store = plfx_take(a, (size_t)s->store_depth, row);
+    }
+}
+
+size_t plfx_stream_ws(const plfx_stream_cfg *cfg)
+{
+    plfx_arena a = {NULL, 0};
+    state s;
+
+    if (!cfg_ok(cfg)) {
+        return 0;
+    }
+    carve(&s, cfg, &a);
+    return a.used;
+}
+
+/* Map rows that hold a window, and the lens rows they depend on. */
+static void choose_rows(state *s, const plfx_stream_cfg *c)
+{
+    int32_t r = c->plan->cfg.window / 2;
+    int32_t ny = c->plan->ny;
+
+    s->y0 = plfx_clamp_i32(c->j0, r, ny - r);
+    s->y1 = plfx_clamp_i32(c->j1, s->y0, ny - r);
+    plfx_match_start(&s->engine.match, s->y0);
+    s->from = plfx_match_from(&s->engine.match);
+    s->to = plfx_min_i32(s->y1 + r + s->engine.match.below, ny);
+    if (s->y0 >= s->y1) {
+        s->to = s->from;
+    }
+}
+
+/* Open lens rows until `open` are, each after the one before it. */
+static void open_more(state *s)
+{
+    int32_t end = plfx_min_i32(s->whole_end + s->gather.open, s->to);
+
+    for (; s->open_end < end; s->open_end++) {
+        plfx_gather_open(&s->gather, s->open_end);
+    }
+}
+
+/* Map rows up to here need nothing more. */
+static int32_t poppable(const state *s, const plfx_stream_cfg *c)
+{
+    int32_t below = s->engine.match.below;
+    int32_t rows = s->whole_end == s->to ? s->to : s->whole_end - below;
+    int32_t done = rows - c->plan->cfg.window / 2;
+
+    if (s->whole_end == s->to) {
+        return c->j1;
+    }
+    return plfx_clamp_i32(done, plfx_min_i32(s->y0, c->j1), c->j1);
+}
+
+static void begin(plfx_stream *s)
+{
+    state *t = s->state;
+
+    choose_rows(t, &s->cfg);
+    t->open_end = t->from;
+    t->whole_end = t->from;
+    t->store_end = t->from;
+    open_more(t);
+    s->y = 0;
+    s->j = s->cfg.j0;
+    s->ready = poppable(t, &s->cfg);
+    s->started = 0;
+}
+
+/* A lens row must be whole before its slot is opened again: neither end of the rows'
+ * spans may go back, and row j + open begins after row j ends. */
+static int32_t fits(const plfx_gather *g, int32_t open, int32_t ny)
+{
+    int32_t lo = 0;
+    int32_t hi = 0;
+    int32_t j;
+
+    for (j = 0; j < ny; j++) {
+        plfx_rows_span s = plfx_gather_span(g, j);
+        if (s.hi < s.lo) {
+            continue;
+        }
+        if (s.lo < lo || s.hi < hi) {
+            return 0;
+        }
+        lo = s.lo;
+        hi = s.hi;
+        if (j + open < ny) {
+            plfx_rows_span next = plfx_gather_span(g, j + open);
+            if (next.lo <= s.hi && next.hi >= next.lo) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+int32_t plfx_stream_open_rows(const plfx_lut *lut, const plfx_plan *plan,
+                              const plfx_tone *tone)
+{
+    plfx_gather g;
+    int32_t open;
+
+    if (!lut || !plan || !tone || plan->ny != lut->lattice.ny) {
+        return 0;
+    }
+    g.lut = lut;
+    g.tone = *tone;
+    g.at = plan->cfg.at;
+    g.n = plan->cfg.n;
+    g.shift = NULL;
+    plfx_gather_start(&g);
+    for (open = 1; open <= PLFX_STREAM_OPEN_MAX; open++) {
+        if (fits(&g, open, plan->ny)) {
+            return open;
+        }
+    }
+    return 0;
+}
+
+plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *ws,
+                             size_t ws_size)
+{
+    plfx_arena a;
+    state *t = ws;
+    int32_t open;
+
+    if (!s || !cfg_ok(cfg)) {
+        return PLFX_E_ARG;
+    }
+    if (!ws || !plfx_aligned(ws) || ws_size < plfx_stream_ws(cfg)) {
+        return PLFX_E_SIZE;
+    }
+    open = plfx_stream_open_rows(cfg->lut, cfg->plan, &cfg->tone);
+    if (open == 0 || open > cfg->open_rows) {
+        return PLFX_E_RANGE;
+    }
+    s->cfg = *cfg;
+    s->state = ws;
+    a.base = ws;
+    a.used = 0;
+    carve(t, &s->cfg, &a);
+    plfx_gather_start(&t->gather);
+    begin(s);
+    return PLFX_OK;
+}
+
+void plfx_stream_rows(const plfx_stream *s, int32_t *first, int32_t *last)
+{
+    const state *t = s->state;
+    int32_t j;
+
+    *first = INT32_MAX;
+    *last = -1;
+    for (j = t->from; j < t->to; j++) {
+        plfx_rows_span r = plfx_gather_span(&t->gather, j);
+        *first = plfx_min_i32(*first, r.lo);
+        *last = plfx_max_i32(*last, r.hi);
+    }
+}
+
+static plfx_rows source(const state *s)
+{
+    plfx_rows r;
+
+    r.px = s->gather.rows;
+    r.depth = s->gather.open;
+    r.packed = s->store;
+    r.packed_depth = s->store_depth;
+    r.packed_end = s->store ? s->store_end : 0;
+    return r;
+}
+
+/* Whole rows come to rest as far as the store has room: rows that a window still needs
+ * are never overwritten. */
+static void rest(state *s, const plfx_stream_cfg *c)
+{
+    size_t n = c->plan->cfg.n;
+    size_t len = plfx_store_bytes(c->plan->nx, c->plan->cfg.bits);
+    size_t k;
+
+    for (; s->store && s->store_end < s->whole_end; s->store_end++) {
+        const uint16_t *row = s->gather.rows + (size_t)(s->store_end % s->gather.open) *
+                                                   n * (size_t)c->plan->nx;
+        uint8_t *to = s->store + (size_t)(s->store_end % s->store_depth) * n * len;
+        for (k = 0; k < n; k++) {
+            plfx_store_put(to + k * len, c->plan->nx, c->plan->cfg.bits,
+                           row + k * (size_t)c->plan->nx);
+        }
+    }
+}
+
+/* Lens row whole_end is whole: its costs enter as far as no map row waits for them. */
+static void close_row(plfx_stream *s)
+{
+    state *t = s->state;
+    int32_t r = s->cfg.plan->cfg.window / 2;
+    plfx_rows src;
+    int32_t cost;
+
+    plfx_gather_close(&t->gather, t->whole_end);
+    src = source(t);
+    plfx_match_feed(&t->engine.match, &src, t->whole_end);
+    t->whole_end++;
+    cost = t->whole_end == t->to ? t->to - 1 : t->whole_end - 1 - t->engine.match.below;
+    plfx_match_enter(&t->engine.match, &src,
+                     plfx_min_i32(cost, plfx_max_i32(s->j, t->y0) + r - 1));
+    s->ready = poppable(t, &s->cfg);
+    if (s->ready <= s->j) {
+        rest(t, &s->cfg);
+        open_more(t);
+    }
+}
+
+/* Rows that are whole by sensor row y, as long as no map row waits. */
+static void close_rows(plfx_stream *s)
+{
+    state *t = s->state;
+    int32_t n = t->open_end - t->whole_end;
+    int32_t i;
+
+    for (i = 0; i < n + PLFX_STREAM_OPEN_MAX; i++) {
+        if (s->ready > s->j || t->whole_end >= t->open_end ||
+            t->gather.hi[t->whole_end % t->gather.open] >= s->y) {
+            return;
+        }
+        close_row(s);
+    }
+}
+
+static int32_t row_ok(const plfx_stream_cfg *c, const plfx_raw_row *row)
+{
+    uint16_t probe;
+
+    if (!row || row->format != c->format || row->bits != c->bits ||
+        row->width != c->lut->sensor_w ||
+        plfx_raw_unpack(row, 0, 1, &probe) != PLFX_OK) {
+        return 0;
+    }
+    return c->format != PLFX_RAW_U16 || ((uintptr_t)row->bytes & 1u) == 0;
+}
+
+/* In order, and nothing that a wanted row needs was passed over. */
+static int32_t in_turn(const plfx_stream *s, int32_t y)
+{
+    const state *t = s->state;
+    int32_t first = INT32_MAX;
+
+    if (s->started) {
+        return y == s->y;
+    }
+    if (t->from < t->to) {
+        first = t->gather.lo[t->from % t->gather.open];
+    }
+    return y <= first;
+}
+
+plfx_status plfx_stream_push(plfx_stream *s, int32_t y, const plfx_raw_row *row,
+                             int32_t *ready)
+{
+    state *t;
+    int32_t j;
+
+    if (!s || !s->state || !ready || !row_ok(&s->cfg, row) || y < 0 ||
+        y >= s->cfg.lut->sensor_h) {
+        return PLFX_E_ARG;
+    }
+    if (!in_turn(s, y) || (s->started && s->ready > s->j)) {
+        return PLFX_E_STATE;
+    }
+    t = s->state;
+    if (t->open_end > t->whole_end) {
+        plfx_gather_unpack(&t->gather, row);
+    }
+    for (j = t->whole_end; j < t->open_end; j++) {
+        plfx_gather_taps(&t->gather, j, y, row);
+    }
+    s->y = y + 1;
+    s->started = 1;
+    close_rows(s);
+    *ready = s->ready - s->j;
+    return PLFX_OK;
+}
+
+plfx_status plfx_stream_push_band(plfx_stream *s, int32_t y, const plfx_raw *band,
+                                  int32_t *used, int32_t *ready)
+{
+    int32_t i;
+
+    if (!s || !s->state || !band || !used || !ready || band->h < 1) {
+        return PLFX_E_ARG;
+    }
+    *used = 0;
+    *ready = 0;
+    for (i = 0; i < band->h && *ready == 0; i++) {
+        plfx_raw_row row;
+        plfx_status status = plfx_raw_row_at(band, i, &row);
+        if (status == PLFX_OK) {
+            status = plfx_stream_push(s, y + i, &row, ready);
+        }
+        if (status != PLFX_OK) {
+            return status;
+        }
+        *used = i + 1;
+    }
+    return PLFX_OK;
+}
+
+static int32_t map_ok(const plfx_stream *s, const plfx_map *m)
+{
+    return m && m->slope_q16 && m->w == s->cfg.plan->nx && m->h == 1;
+}
+
+plfx_status plfx_stream_pop(plfx_stream *s, int32_t *j, const plfx_map *row,
+                            int32_t *ready)
+{
+    state *t;
+    plfx_rows src;
+
+    if (!s || !s->state || !j || !ready || !map_ok(s, row)) {
+        return PLFX_E_ARG;
+    }
+    if (s->ready <= s->j) {
+        return PLFX_E_STATE;
+    }
+    t = s->state;
+    *j = s->j;
+    if (s->j >= t->y0 && s->j < t->y1) {
+        src = source(t);
+        plfx_engine_row(&t->engine, &src, s->j, row);
+        if (t->store) {
+            plfx_match_drop(&t->engine.match, &src, s->j);
+        }
+    } else {
+        plfx_map_edge(row);
+    }
+    s->j++;
+    if (s->ready <= s->j) {
+        rest(t, &s->cfg);
+        open_more(t);
+        close_rows(s);
+    }
+    *ready = s->ready - s->j;
+    return PLFX_OK;
+}
+
+plfx_status plfx_stream_finish(const plfx_stream *s)
+{
+    if (!s || !s->state) {
+        return PLFX_E_ARG;
+    }
+    return s->j == s->cfg.j1 ? PLFX_OK : PLFX_E_STATE;
+}
+
+plfx_status plfx_stream_reset(plfx_stream *s)
+{
+    if (!s || !s->state) {
+        return PLFX_E_ARG;
+    }
+    begin(s);
+    return PLFX_OK;
+}
