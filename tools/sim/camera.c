@@ -33,16 +33,20 @@ static void place_lens(plft_camera *cam, int i, int j, uint64_t seed)
                               cam->jitter * plft_gauss(plft_key(seed, 102, at));
 }
 
-static void size_sensor(plft_camera *cam)
+/* A sensor that holds every micro-image cell whole: its half is the farthest centre and
+ * half a pitch. */
+static int size_for(const plft_camera *cam, int axis)
 {
-    double pitch = plft_camera_pitch_px(cam);
+    double k = (1.0 + cam->f_mu / cam->L) / cam->pixel;
+    size_t n = (size_t)cam->nx * (size_t)cam->ny;
+    double far = 0.0;
+    size_t i;
 
-    if (cam->w == 0) {
-        cam->w = (int)ceil(pitch * (cam->nx + (cam->hex ? 0.5 : 0.0)));
+    for (i = 0; i < n; i++) {
+        double at = fabs(cam->centre[2 * i + (size_t)axis]) * k;
+        far = at > far ? at : far;
     }
-    if (cam->h == 0) {
-        cam->h = (int)ceil(pitch * ((cam->ny - 1) * row_step(cam) + 1.0));
-    }
+    return 2 * (int)ceil(far + 0.5 * plft_camera_pitch_px(cam));
 }
 
 int plft_camera_ready(plft_camera *cam, uint64_t seed)
@@ -52,7 +56,6 @@ int plft_camera_ready(plft_camera *cam, uint64_t seed)
     int i, j;
 
     cam->L = 1.0 / (1.0 / cam->F - 1.0 / cam->focus);
-    size_sensor(cam);
     cam->centre = malloc(2 * n * sizeof *cam->centre);
     cam->gain = malloc(n * sizeof *cam->gain);
     if (!cam->centre || !cam->gain) {
@@ -67,6 +70,8 @@ int plft_camera_ready(plft_camera *cam, uint64_t seed)
             place_lens(cam, i, j, seed);
         }
     }
+    cam->w = cam->w ? cam->w : size_for(cam, 0);
+    cam->h = cam->h ? cam->h : size_for(cam, 1);
     return 0;
 }
 

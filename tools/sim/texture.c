@@ -155,8 +155,26 @@ static unsigned pip_mask(int pips)
     return mask[pips < 0 ? 0 : pips > 6 ? 6 : pips];
 }
 
-static void draw_half(double *cover, const plft_texture *t,
-                      const plft_texture_desc *desc, int half)
+/* Depth of a drilled dimple of radius r about (cx,cy): 1 in the middle, 0 at the rim,
+ * without an edge. */
+static void draw_dimple(double *ink, int n, double cx, double cy, double r)
+{
+    int x, y;
+
+    for (y = (int)(cy - r); y <= (int)(cy + r); y++) {
+        for (x = (int)(cx - r); x <= (int)(cx + r); x++) {
+            double dx = (x + 0.5 - cx) / r;
+            double dy = (y + 0.5 - cy) / r;
+            double deep = 1.0 - dx * dx - dy * dy;
+            if (deep > 0.0 && x >= 0 && y >= 0 && x < n && y < n) {
+                ink[(size_t)y * (size_t)n + (size_t)x] += fade(deep);
+            }
+        }
+    }
+}
+
+static void draw_half(double *ink, const plft_texture *t, const plft_texture_desc *desc,
+                      int half)
 {
     double w = desc->face_mm[0] / t->texel;
     double h = 0.5 * desc->face_mm[1] / t->texel;
@@ -165,33 +183,33 @@ static void draw_half(double *cover, const plft_texture *t,
 
     for (k = 0; k < 9; k++) {
         if (mask >> k & 1u) {
-            draw_blob(cover, t->n, w * (0.22 + 0.28 * (k % 3)),
-                      h * (half + 0.22 + 0.28 * (k / 3)), 0.10 * w);
+            draw_dimple(ink, t->n, w * (0.22 + 0.28 * (k % 3)),
+                        h * (half + 0.22 + 0.28 * (k / 3)), 0.135 * w);
         }
     }
 }
 
-/* Ink on the pips and on the bar between the halves takes 75 % of the light. */
+/* Dimples and the groove between the halves take up to 85 % of the light. */
 static int draw_domino(double *v, const plft_texture *t, const plft_texture_desc *desc)
 {
     size_t count = (size_t)t->n * (size_t)t->n;
-    double *cover = calloc(count, sizeof *cover);
-    double bar = 0.5 * desc->face_mm[1] / t->texel;
-    double half = 0.012 * desc->face_mm[1] / t->texel;
+    double *ink = calloc(count, sizeof *ink);
+    double middle = 0.5 * desc->face_mm[1] / t->texel;
+    double half = 0.035 * desc->face_mm[1] / t->texel;
     size_t k;
 
-    if (!cover) {
+    if (!ink) {
         return -1;
     }
     draw_noise(v, t, desc);
-    draw_half(cover, t, desc, 0);
-    draw_half(cover, t, desc, 1);
+    draw_half(ink, t, desc, 0);
+    draw_half(ink, t, desc, 1);
     for (k = 0; k < count; k++) {
-        double y = (double)(k / (size_t)t->n) + 0.5;
-        double ink = fabs(y - bar) < half ? 1.0 : cover[k];
-        v[k] *= 1.0 - 0.75 * ink;
+        double y = ((double)(k / (size_t)t->n) + 0.5 - middle) / half;
+        double groove = y * y < 1.0 ? fade(1.0 - y * y) : 0.0;
+        v[k] *= 1.0 - 0.85 * clamp(ink[k] + groove, 0.0, 1.0);
     }
-    free(cover);
+    free(ink);
     return 0;
 }
 
