@@ -7,6 +7,7 @@
 typedef int plft_command(int argc, char **argv);
 
 plft_command plft_cmd_calibrate;
+plft_command plft_cmd_devices;
 plft_command plft_cmd_evaluate;
 plft_command plft_cmd_help;
 plft_command plft_cmd_simulate;

@@ -18,6 +18,7 @@ static const entry commands[] = {
     {"calibrate", plft_cmd_calibrate, "a lens table from a calibration frame"},
     {"evaluate", plft_cmd_evaluate, "a depth map against its truth"},
     {"simulate", plft_cmd_simulate, "frames of an imagined camera, with their truth"},
+    {"devices", plft_cmd_devices, "what depth --device can name"},
     {"help", plft_cmd_help, "this text, or that of a command: help COMMAND"},
 };
 

@@ -47,6 +47,9 @@ SLOW = [
     ('unlisted MISRA rule', 'cppcheck.py', ['--misra', 'misra.c'], r'misra-c2012-15\.1'),
     ('braces, by clang-tidy', 'tidy.py', ['-', 'braces.c'],
      r'readability-braces-around-statements'),
+    ('no float in a kernel', 'opencl.sh', ['float_kernel.cl'], r'opencl: [1-9]\d* float'),
+    ('explicit conversions in a kernel', 'opencl.sh', ['narrow_kernel.cl'],
+     r'implicit conversion'),
     ('recursion, by clang-tidy', 'tidy.py', ['-', 'recursion.c'], r'misc-no-recursion'),
 ]
 

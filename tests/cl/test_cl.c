@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * plenofix_cl against the core, to the bit, on whatever OpenCL device is here.
- * usage: test_cl [CASES]   (default 24) */
+ * usage: test_cl [CASES | tiny]   (default 24; tiny: a few small plans, for slow
+ * implementations) */
 #include "../unit/suite.h"
 #include "../ref/ref.h"
 #include "plenofix/cl.h"
@@ -14,6 +15,7 @@
 #define LENS_Y 17
 
 static int cases = 24;
+static int32_t side = SIDE;
 static uint16_t samples[CELLS * 25];
 static uint16_t frame[RAW_W * RAW_H];
 static unsigned char blob[65536];
@@ -143,8 +145,8 @@ static int views_case(uint32_t seed)
     plfx_map w;
 
     memset(&input, 0, sizeof input);
-    if (plfx_plan_init(&plan, &cfg, NULL, ref_range(&rng, 9, SIDE),
-                       ref_range(&rng, 9, 24)) != PLFX_OK) {
+    if (plfx_plan_init(&plan, &cfg, NULL, ref_range(&rng, 9, side),
+                       ref_range(&rng, 9, side / 2)) != PLFX_OK) {
         return 0;
     }
     plan.hex = ref_range(&rng, 0, 1);
@@ -370,13 +372,20 @@ int main(int argc, char **argv)
         cmocka_unit_test(refusals),
     };
 
+    static const struct CMUnitTest few[] = {
+        cmocka_unit_test(views_equal_the_core),
+    };
+    int tiny = argc > 1 && strcmp(argv[1], "tiny") == 0;
+
     if (argc > 1) {
-        cases = atoi(argv[1]);
+        cases = tiny ? 6 : atoi(argv[1]);
+        side = tiny ? 20 : SIDE;
     }
     if (plfx_cl_devices() == 0) {
         printf("1..0 # SKIP no OpenCL device\n");
         return 0;
     }
     cmocka_set_message_output(CM_OUTPUT_TAP);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return tiny ? cmocka_run_group_tests(few, NULL, NULL)
+                : cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,8 @@
+/* SPDX-License-Identifier: MIT
+ * Planted: a kernel that computes in floating point. */
+__kernel void planted(__global int *out)
+{
+    float half = 0.5f * (float)out[0];
+
+    out[0] = (int)half;
+}
