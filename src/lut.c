@@ -57,10 +57,10 @@ static int32_t steps_ok(const plfx_lattice *l)
     int64_t by = plfx_asr_i32(l->b.y_q22, 6);
     int64_t aa = ax * ax + ay * ay; /* < 2^51 */
     int64_t bb = bx * bx + by * by;
-    int64_t cross = plfx_asr_i64(ax * by - ay * bx, 16); /* < 2^35 */
+    int64_t cross = plfx_asr_i64(ax * by - ay * bx, 20); /* q12, <= 2^31 */
 
     return aa >= (int64_t)1 << 32 && bb >= (int64_t)1 << 32 &&
-           16 * plfx_asr_i64(cross * cross, 16) >=
+           16 * plfx_asr_i64(cross * cross, 8) >=
                plfx_asr_i64(aa, 24) * plfx_asr_i64(bb, 24);
 }
 

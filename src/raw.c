@@ -1,166 +1,292 @@
 /* SPDX-License-Identifier: MIT
- * Raw rows: where they lie and how their pixels are packed. */
+ * Raw rows.  A packed row is entered at any pixel: single pixels up to the next group
+ * of whole bytes, then whole groups, then single pixels again. */
 #include "plenofix/raw.h"
-#include "bytes.h"
 
-#define SIDE_LIMIT 32767
+#include <string.h>
+
+#define SIDE_MAX 32767
+
+static const uint8_t bpp_of[PLFX_RAW_FORMATS] = {8, 16, 16, 10, 12, 12, 12, 10, 12};
+/* Significant bits that a format can hold. */
+static const uint8_t depth_of[PLFX_RAW_FORMATS] = {8, 16, 16, 10, 12, 10, 12, 10, 12};
+/* Pixels of a group: the fewest that fill whole bytes. */
+static const uint8_t group_of[PLFX_RAW_FORMATS] = {1, 1, 1, 4, 2, 2, 2, 4, 2};
 
 int32_t plfx_raw_bpp(int32_t format)
 {
-    static const uint8_t bpp[PLFX_RAW_FORMATS] = {8, 16, 16, 10, 12, 12, 12, 10, 12};
-
-    return format >= 0 && format < PLFX_RAW_FORMATS ? bpp[format] : 0;
+    return format >= 0 && format < (int32_t)PLFX_RAW_FORMATS ? (int32_t)bpp_of[format]
+                                                             : 0;
 }
 
-/* Pixels and bytes of a group of the format. */
-static uint32_t group_pixels(int32_t format)
+static int side_ok(int32_t n)
 {
-    switch (format) {
-    case PLFX_RAW_MONO10P:
-    case PLFX_RAW_CSI10:
-        return 4;
-    case PLFX_RAW_MONO12P:
-    case PLFX_RAW_MONO10PACKED:
-    case PLFX_RAW_MONO12PACKED:
-    case PLFX_RAW_CSI12:
-        return 2;
-    default:
-        return 1;
-    }
+    return n >= 1 && n <= SIDE_MAX;
 }
 
 size_t plfx_raw_bytes(int32_t format, int32_t w, int32_t h)
 {
-    uint64_t pixels;
-    uint32_t group;
-    uint32_t bits;
+    uint64_t px;
 
-    if (plfx_raw_bpp(format) == 0 || w < 1 || w > SIDE_LIMIT || h < 1 ||
-        h > SIDE_LIMIT) {
+    if (plfx_raw_bpp(format) == 0 || !side_ok(w) || !side_ok(h)) {
         return 0;
     }
-    pixels = (uint64_t)w * (uint64_t)h;
-    group = group_pixels(format);
-    bits = (uint32_t)plfx_raw_bpp(format);
-    if (format == PLFX_RAW_MONO10PACKED || format == PLFX_RAW_MONO12PACKED ||
-        format == PLFX_RAW_CSI10 || format == PLFX_RAW_CSI12) {
-        pixels = (pixels + group - 1u) / group * group; /* low bits stand last */
+    px = (uint64_t)w * (uint64_t)h; /* < 2^30 */
+    if (format >= (int32_t)PLFX_RAW_MONO10PACKED) {
+        px = (px + group_of[format] - 1u) / group_of[format] * group_of[format];
     }
-    return (size_t)((pixels * bits + 7u) / 8u);
+    return (size_t)((px * bpp_of[format] + 7u) / 8u); /* < 2^31 */
 }
 
-static int32_t bits_ok(int32_t format, int32_t bits)
+static int bits_ok(int32_t format, int32_t bits)
 {
-    return bits >= 8 && bits <= 16 && bits <= (plfx_raw_bpp(format) + 7) / 8 * 8;
+    return bits >= 8 && bits <= (bpp_of[format] == 8u ? 8 : 16);
 }
 
 plfx_status plfx_raw_row_at(const plfx_raw *raw, int32_t y, plfx_raw_row *row)
 {
-    uint64_t at;
-    size_t need;
+    uint64_t first;
 
-    if (!raw || !raw->bytes || !row || y < 0 || y >= raw->h ||
+    if (raw == NULL || row == NULL || raw->bytes == NULL) {
+        return PLFX_E_ARG;
+    }
+    if (plfx_raw_bytes(raw->format, raw->w, raw->h) == 0u || y < 0 || y >= raw->h ||
         !bits_ok(raw->format, raw->bits)) {
         return PLFX_E_ARG;
     }
-    need = plfx_raw_bytes(raw->format, raw->w, raw->h);
-    if (need == 0) {
-        return PLFX_E_ARG;
-    }
-    if (raw->size < need) {
+    if (raw->size < plfx_raw_bytes(raw->format, raw->w, raw->h)) {
         return PLFX_E_SIZE;
     }
-    at = (uint64_t)raw->w * (uint64_t)y * (uint64_t)plfx_raw_bpp(raw->format);
-    row->bytes = raw->bytes + (size_t)(at / 8u);
-    row->bit = (uint8_t)(at % 8u);
+    first = (uint64_t)y * (uint64_t)raw->w * bpp_of[raw->format]; /* bit, < 2^34 */
+    row->bytes = raw->bytes + (size_t)(first / 8u);
+    row->bit = (uint8_t)(first % 8u);
     row->format = raw->format;
     row->bits = raw->bits;
     row->width = raw->w;
     return PLFX_OK;
 }
 
-/* Any bit stream, least significant bit first, up to 12 bits from bit `at`. */
-static uint32_t stream_lsb(const uint8_t *p, uint32_t at, uint32_t bits)
-{
-    const uint8_t *q = p + at / 8u;
-    uint32_t low = at % 8u;
-    uint32_t v = q[0];
+/* Place of pixel x in the row's groups.  In every layout a row that begins with pixel
+ * `phase` of a group has its first byte `phase` bytes after the start of that group. */
+typedef struct place {
+    size_t start; /* first byte of the group + phase: >= phase */
+    int32_t phase;
+    int32_t k; /* pixel of the group */
+} place;
 
-    if (low + bits > 8u) {
-        v |= (uint32_t)q[1] << 8;
-    }
-    if (low + bits > 16u) {
-        v |= (uint32_t)q[2] << 16;
-    }
-    return v >> low & ((1u << bits) - 1u);
+static place place_of(const plfx_raw_row *row, int32_t x)
+{
+    int32_t n = group_of[row->format];
+    int32_t bytes = n * bpp_of[row->format] / 8;
+    place at;
+
+    at.phase = row->bit / (n == 4 ? 2 : 4);
+    at.k = (x + at.phase) % n;
+    at.start = (size_t)((x + at.phase) / n) * (size_t)bytes;
+    return at;
 }
 
-/* Two pixels in three bytes, high bytes outside, low nibbles in the middle. */
-static uint32_t packed12(const uint8_t *base, uint32_t q)
+/* 16 bits from bit `pos` on, least significant first; pos % 8 + depth <= 16. */
+static uint32_t stream_at(const uint8_t *b, size_t pos)
 {
-    const uint8_t *g = base + (size_t)(q / 2u) * 3u;
+    const uint8_t *p = b + pos / 8u;
 
-    return q % 2u ? (uint32_t)g[2] << 4 | (uint32_t)g[1] >> 4
-                  : (uint32_t)g[0] << 4 | (g[1] & 15u);
+    return ((uint32_t)p[0] | (uint32_t)p[1] << 8) >> (pos % 8u);
 }
 
-static uint32_t packed10(const uint8_t *base, uint32_t q)
+/* Byte m of the group at `at`; m >= phase in the first group. */
+static uint32_t byte_of(const plfx_raw_row *row, const place *at, int32_t m)
 {
-    const uint8_t *g = base + (size_t)(q / 2u) * 3u;
-
-    return q % 2u ? (uint32_t)g[2] << 2 | (g[1] >> 4 & 3u)
-                  : (uint32_t)g[0] << 2 | (g[1] & 3u);
+    return row->bytes[at->start + (size_t)m - (size_t)at->phase];
 }
 
-static uint32_t csi10(const uint8_t *base, uint32_t q)
+/* One pixel of a layout that splits pixels into high bytes and shared low bits. */
+static uint32_t split_pixel(const plfx_raw_row *row, int32_t x)
 {
-    const uint8_t *g = base + (size_t)(q / 4u) * 5u;
-
-    return (uint32_t)g[q % 4u] << 2 | ((uint32_t)g[4] >> 2u * (q % 4u) & 3u);
-}
-
-static uint32_t csi12(const uint8_t *base, uint32_t q)
-{
-    const uint8_t *g = base + (size_t)(q / 2u) * 3u;
-
-    return (uint32_t)g[q % 2u] << 4 | ((uint32_t)g[2] >> 4u * (q % 2u) & 15u);
-}
-
-/* Pixel x of a row; `phase` pixels of its first group belong to the row before. */
-static uint32_t pixel(const plfx_raw_row *row, uint32_t x)
-{
-    uint32_t half = row->bit / 4u;    /* 12-bit groups: 0, 1 */
-    uint32_t quarter = row->bit / 2u; /* 10-bit groups: 0 .. 3 */
+    place at = place_of(row, x);
+    uint32_t k = (uint32_t)at.k;
 
     switch (row->format) {
-    case PLFX_RAW_U8:
-        return row->bytes[x];
-    case PLFX_RAW_U16LE:
-        return plfx_get_u16(row->bytes + 2u * (size_t)x);
-    case PLFX_RAW_U16:
-        return ((const uint16_t *)(const void *)row->bytes)[x];
-    case PLFX_RAW_MONO10P:
-        return stream_lsb(row->bytes, row->bit + 10u * x, 10);
-    case PLFX_RAW_MONO12P:
-        return stream_lsb(row->bytes, row->bit + 12u * x, 12);
     case PLFX_RAW_MONO10PACKED:
-        return packed10(row->bytes - half, x + half);
+        return byte_of(row, &at, at.k * 2) << 2 | (byte_of(row, &at, 1) >> 4 * k & 3u);
     case PLFX_RAW_MONO12PACKED:
-        return packed12(row->bytes - half, x + half);
+        return byte_of(row, &at, at.k * 2) << 4 | (byte_of(row, &at, 1) >> 4 * k & 15u);
     case PLFX_RAW_CSI10:
-        return csi10(row->bytes - quarter, x + quarter);
-    default:
-        return csi12(row->bytes - half, x + half);
+        return byte_of(row, &at, at.k) << 2 | (byte_of(row, &at, 4) >> 2 * k & 3u);
+    default: /* CSI12 */
+        return byte_of(row, &at, at.k) << 4 | (byte_of(row, &at, 2) >> 4 * k & 15u);
     }
 }
 
-/* Bits at which a row of the format may begin. */
-static int32_t bit_ok(const plfx_raw_row *row)
+/* One pixel of any packed layout. */
+static uint16_t packed_pixel(const plfx_raw_row *row, int32_t x)
 {
-    int32_t bpp = plfx_raw_bpp(row->format);
+    uint32_t v;
 
-    return row->bit == 0 || (bpp == 12 && row->bit == 4) ||
-           (bpp == 10 && (row->bit == 2 || row->bit == 4 || row->bit == 6));
+    if (row->format == PLFX_RAW_MONO10P) {
+        v = stream_at(row->bytes, row->bit + (size_t)x * 10u) & 1023u;
+    } else if (row->format == PLFX_RAW_MONO12P) {
+        v = stream_at(row->bytes, row->bit + (size_t)x * 12u) & 4095u;
+    } else {
+        v = split_pixel(row, x);
+    }
+    return (uint16_t)v;
+}
+
+/* n groups of 4 pixels in 5 bytes, one bit stream. */
+static void groups_10p(const uint8_t *b, int32_t n, uint16_t *out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[0] = (uint16_t)(b[0] | (b[1] & 3u) << 8);
+        out[1] = (uint16_t)(b[1] >> 2 | (b[2] & 15u) << 6);
+        out[2] = (uint16_t)(b[2] >> 4 | (b[3] & 63u) << 4);
+        out[3] = (uint16_t)(b[3] >> 6 | (uint32_t)b[4] << 2);
+        b += 5;
+        out += 4;
+    }
+}
+
+/* n groups of 4 high bytes and one of low bits. */
+static void groups_csi10(const uint8_t *b, int32_t n, uint16_t *out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[0] = (uint16_t)((uint32_t)b[0] << 2 | (b[4] & 3u));
+        out[1] = (uint16_t)((uint32_t)b[1] << 2 | (b[4] >> 2 & 3u));
+        out[2] = (uint16_t)((uint32_t)b[2] << 2 | (b[4] >> 4 & 3u));
+        out[3] = (uint16_t)((uint32_t)b[3] << 2 | b[4] >> 6);
+        b += 5;
+        out += 4;
+    }
+}
+
+static void groups_12p(const uint8_t *b, int32_t n, uint16_t *out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[0] = (uint16_t)(b[0] | (b[1] & 15u) << 8);
+        out[1] = (uint16_t)(b[1] >> 4 | (uint32_t)b[2] << 4);
+        b += 3;
+        out += 2;
+    }
+}
+
+static void groups_10packed(const uint8_t *b, int32_t n, uint16_t *out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[0] = (uint16_t)((uint32_t)b[0] << 2 | (b[1] & 3u));
+        out[1] = (uint16_t)((uint32_t)b[2] << 2 | (b[1] >> 4 & 3u));
+        b += 3;
+        out += 2;
+    }
+}
+
+static void groups_12packed(const uint8_t *b, int32_t n, uint16_t *out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[0] = (uint16_t)((uint32_t)b[0] << 4 | (b[1] & 15u));
+        out[1] = (uint16_t)((uint32_t)b[2] << 4 | b[1] >> 4);
+        b += 3;
+        out += 2;
+    }
+}
+
+static void groups_csi12(const uint8_t *b, int32_t n, uint16_t *out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[0] = (uint16_t)((uint32_t)b[0] << 4 | (b[2] & 15u));
+        out[1] = (uint16_t)((uint32_t)b[1] << 4 | b[2] >> 4);
+        b += 3;
+        out += 2;
+    }
+}
+
+static void groups(int32_t format, const uint8_t *b, int32_t n, uint16_t *out)
+{
+    switch (format) {
+    case PLFX_RAW_MONO10P:
+        groups_10p(b, n, out);
+        break;
+    case PLFX_RAW_MONO12P:
+        groups_12p(b, n, out);
+        break;
+    case PLFX_RAW_MONO10PACKED:
+        groups_10packed(b, n, out);
+        break;
+    case PLFX_RAW_MONO12PACKED:
+        groups_12packed(b, n, out);
+        break;
+    case PLFX_RAW_CSI10:
+        groups_csi10(b, n, out);
+        break;
+    default:
+        groups_csi12(b, n, out);
+        break;
+    }
+}
+
+static void unpack_packed(const plfx_raw_row *row, int32_t x0, int32_t n, uint16_t *out)
+{
+    int32_t size = group_of[row->format];
+    place at = place_of(row, x0);
+    int32_t head = at.k == 0 ? 0 : size - at.k;
+    int32_t whole;
+    int32_t i;
+
+    head = head < n ? head : n;
+    whole = (n - head) / size;
+    for (i = 0; i < head; i++) {
+        out[i] = packed_pixel(row, x0 + i);
+    }
+    if (whole > 0) {
+        at = place_of(row, x0 + head);
+        groups(row->format, row->bytes + (at.start - (size_t)at.phase), whole,
+               out + head);
+    }
+    for (i = head + whole * size; i < n; i++) {
+        out[i] = packed_pixel(row, x0 + i);
+    }
+}
+
+static void unpack_plain(const plfx_raw_row *row, int32_t x0, int32_t n, uint16_t *out)
+{
+    const uint8_t *b = row->bytes;
+    int32_t i;
+
+    if (row->format == PLFX_RAW_U8) {
+        for (i = 0; i < n; i++) {
+            out[i] = b[x0 + i];
+        }
+    } else if (row->format == PLFX_RAW_U16LE) {
+        b += (size_t)x0 * 2u;
+        for (i = 0; i < n; i++) {
+            out[i] = (uint16_t)(b[2 * i] | (uint32_t)b[2 * i + 1] << 8);
+        }
+    } else {
+        (void)memcpy(out, b + (size_t)x0 * 2u, (size_t)n * 2u);
+    }
+}
+
+static int row_ok(const plfx_raw_row *row)
+{
+    int step; /* legal values of `bit` are its multiples under 8 */
+
+    if (row == NULL || row->bytes == NULL || row->format >= (uint8_t)PLFX_RAW_FORMATS ||
+        !bits_ok(row->format, row->bits) || !side_ok(row->width)) {
+        return 0;
+    }
+    step = group_of[row->format] == 4u ? 2 : group_of[row->format] == 2u ? 4 : 8;
+    return row->bit < 8u && row->bit % step == 0;
 }
 
 plfx_status plfx_raw_unpack(const plfx_raw_row *row, int32_t x0, int32_t n,
@@ -169,15 +295,20 @@ plfx_status plfx_raw_unpack(const plfx_raw_row *row, int32_t x0, int32_t n,
     uint32_t mask;
     int32_t i;
 
-    if (!row || !row->bytes || !out || plfx_raw_bpp(row->format) == 0 ||
-        !bits_ok(row->format, row->bits) || !bit_ok(row) || row->width < 1 ||
-        row->width > SIDE_LIMIT || x0 < 0 || n < 0 || x0 > row->width ||
+    if (!row_ok(row) || out == NULL || x0 < 0 || n < 0 || x0 > row->width ||
         n > row->width - x0) {
         return PLFX_E_ARG;
     }
-    mask = (1u << row->bits) - 1u;
-    for (i = 0; i < n; i++) {
-        out[i] = (uint16_t)(pixel(row, (uint32_t)(x0 + i)) & mask);
+    if (group_of[row->format] == 1u) {
+        unpack_plain(row, x0, n, out);
+    } else {
+        unpack_packed(row, x0, n, out);
+    }
+    if (row->bits < depth_of[row->format]) {
+        mask = (1u << row->bits) - 1u;
+        for (i = 0; i < n; i++) {
+            out[i] = (uint16_t)(out[i] & mask);
+        }
     }
     return PLFX_OK;
 }

@@ -46,8 +46,9 @@ typedef struct plfx_raw { /* a whole frame in one bit stream, no padding between
  * MONO10PACKED and MONO12PACKED both take 12. */
 int32_t plfx_raw_bpp(int32_t format);
 
-/* Bytes of a frame: ceil(w*h*bpp/8); groups (5 or 3 bytes) are rounded up once at the
- * end of the frame.  0 if an argument is out of range. */
+/* Bytes of a frame: ceil(w*h*bpp/8) of a bit stream (MONO10P, MONO12P); layouts that
+ * keep low bits apart end with a whole group (3 or 5 bytes), once a frame.  0 if an
+ * argument is out of range. */
 size_t plfx_raw_bytes(int32_t format, int32_t w, int32_t h);
 
 /* Row y of a frame.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE (frame shorter than w*h). */
