@@ -16,5 +16,6 @@
 #include "plenofix/depth.h"
 #include "plenofix/refocus.h"
 #include "plenofix/stream.h"
+#include "plenofix/packet.h"
 
 #endif
