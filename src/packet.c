@@ -56,8 +56,9 @@ uint8_t plfx_packet_sigma(uint32_t sigma_q24)
         octave++;
     }
     m = (uint32_t)(((uint64_t)sigma_q24 << 16) >> octave); /* 1 .. 2, q16 */
+    /* at most 8 */
     while (step < 8u && m > (eighth_q16[step] + eighth_q16[step + 1u]) / 2u) {
-        step++; /* at most 8 */
+        step++;
     }
     code = 8u * octave + step + 1u;
     return (uint8_t)(code > 249u ? 249u : code); /* 249: 2^31 */
@@ -218,6 +219,7 @@ plfx_status plfx_packet_fit(uint32_t link_bits_s, uint32_t rate_mhz, int32_t reg
     if (modes > 0) {
         slow += 8u * (PLFX_PACKET_OVERHEAD + PLFX_PACKET_MODE_BYTES * (uint32_t)modes);
     }
+    /* at most 9 */
     for (every = 1; every <= 256; every *= 2) {
         int32_t least = every < 4 ? regions : 1;
         for (count = regions; count >= least; count--) {
