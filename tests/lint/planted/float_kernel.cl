@@ -2,7 +2,7 @@
  * Planted: a kernel that computes in floating point. */
 __kernel void planted(__global int *out)
 {
-    float half = 0.5f * (float)out[0];
+    float scaled = 0.5f * (float)out[0];
 
-    out[0] = (int)half;
+    out[0] = (int)scaled;
 }
