@@ -48,7 +48,9 @@ typedef struct plfx_cl {
     int32_t raw_w, raw_h, from_raw, format;
     size_t group_x, group_y;
     int32_t head, count; /* slot of the oldest frame in flight, frames in flight */
-    char message[256];   /* what the last failure was, in words */
+    int32_t timing;      /* 1: wait for every kernel and add up its time */
+    uint64_t kernel_ns[PLFX_CL_KERNELS];
+    char message[256]; /* what the last failure was, in words */
 } plfx_cl;
 
 /* Devices of all platforms; 0 when there is none. */

@@ -5,9 +5,10 @@
 
 #include <string.h>
 
-static const char *const kernel_name[K_COUNT] = {
-    "unpack",      "extract",           "sad_items",    "sad_columns",
-    "sad_winners", "ref_columns",       "zncc_columns", "zncc_winners",
+const char *const plfx_cl_kernel_name[K_COUNT] = {
+    "unpack",      "extract",           "pad",
+    "sad_items",   "sad_columns",       "sad_winners",
+    "ref_columns", "zncc_columns",      "zncc_winners",
     "fuse",        "gradient_products", "gradient_map",
 };
 
@@ -95,6 +96,9 @@ static void plan_params(int32_t *p, const plfx_plan *plan)
     p[CL_ROW] = plan->row_q16;
     p[CL_STEP] = plan->du_q8[2];
     p[CL_BAND] = 32;
+    p[CL_PAD] = plfx_cl_pad(plan);
+    p[CL_STRIDE] = plan->nx + 2 * p[CL_PAD] + 8;
+    p[CL_WIDE] = (plan->nx + 7) / 8 * 8;
 }
 
 static void raw_params(int32_t *p, const plfx_cl_input *in)
@@ -121,7 +125,8 @@ static cl_int take_queues(plfx_cl *cl, cl_device_id device)
         cl->queue_up = clCreateCommandQueue(cl->context, device, 0, &e);
     }
     if (e == CL_SUCCESS) {
-        cl->queue_work = clCreateCommandQueue(cl->context, device, 0, &e);
+        cl->queue_work =
+            clCreateCommandQueue(cl->context, device, CL_QUEUE_PROFILING_ENABLE, &e);
     }
     if (e == CL_SUCCESS) {
         cl->queue_down = clCreateCommandQueue(cl->context, device, 0, &e);
@@ -140,7 +145,7 @@ static cl_int build(plfx_cl *cl, cl_device_id device)
         e = clBuildProgram(cl->program, 1, &device, "-cl-std=CL1.2", NULL, NULL);
     }
     for (k = 0; k < K_COUNT && e == CL_SUCCESS; k++) {
-        cl->kernel[k] = clCreateKernel(cl->program, kernel_name[k], &e);
+        cl->kernel[k] = clCreateKernel(cl->program, plfx_cl_kernel_name[k], &e);
     }
     return e;
 }

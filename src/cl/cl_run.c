@@ -31,12 +31,29 @@ static size_t rounded(int32_t n, size_t group)
     return ((size_t)n + group - 1) / group * group;
 }
 
+/* Wait for a kernel and add its time by the device's clock. */
+static cl_int add_time(plfx_cl *cl, int32_t k, cl_event done)
+{
+    cl_ulong from = 0;
+    cl_ulong to = 0;
+    cl_int e = clWaitForEvents(1, &done);
+
+    e |= clGetEventProfilingInfo(done, CL_PROFILING_COMMAND_START, sizeof from, &from,
+                                 NULL);
+    e |= clGetEventProfilingInfo(done, CL_PROFILING_COMMAND_END, sizeof to, &to, NULL);
+    clReleaseEvent(done);
+    cl->kernel_ns[k] += to - from;
+    return e;
+}
+
 /* x and y in groups, z one by one; `wait` may be NULL. */
 static cl_int launch(plfx_cl *cl, int32_t k, int32_t x, int32_t y, int32_t z,
                      int32_t flat, cl_event wait)
 {
     size_t local[3];
     size_t global[3];
+    cl_event done = NULL;
+    cl_int e;
 
     local[0] = flat ? cl->group_x * cl->group_y : cl->group_x;
     local[1] = flat ? 1 : cl->group_y;
@@ -44,8 +61,10 @@ static cl_int launch(plfx_cl *cl, int32_t k, int32_t x, int32_t y, int32_t z,
     global[0] = rounded(x, local[0]);
     global[1] = rounded(y, local[1]);
     global[2] = (size_t)z;
-    return clEnqueueNDRangeKernel(cl->queue_work, cl->kernel[k], 3, NULL, global, local,
-                                  wait ? 1 : 0, wait ? &wait : NULL, NULL);
+    e = clEnqueueNDRangeKernel(cl->queue_work, cl->kernel[k], 3, NULL, global, local,
+                               wait ? 1 : 0, wait ? &wait : NULL,
+                               cl->timing ? &done : NULL);
+    return e == CL_SUCCESS && cl->timing ? add_time(cl, k, done) : e;
 }
 
 static cl_int extract(plfx_cl *cl, int32_t slot, cl_event ready)
@@ -69,21 +88,48 @@ static int32_t bands(const plfx_cl *cl)
     return (rows + cl->params[CL_BAND] - 1) / cl->params[CL_BAND];
 }
 
-static cl_int sad_pair(plfx_cl *cl, void *views, int32_t p)
+/* Costs of view k: the first one of a sum starts it, the last one cuts it. */
+static cl_int sad_view(plfx_cl *cl, int32_t k, int32_t first, int32_t last)
 {
     void **b = cl->buffer;
-    void *const item[] = {b[B_PARAMS], views, b[B_SHIFT]};
-    void *const column[] = {b[B_PARAMS], b[B_ITEM], b[B_COLUMN]};
-    cl_int e = args(cl, K_SAD_ITEMS, item, 3);
+    void *const in[] = {b[B_PARAMS], b[B_PADDED], b[B_SHIFT]};
+    cl_int e = args(cl, K_SAD_ITEMS, in, 3);
 
-    e = e ? e : arg_int(cl, K_SAD_ITEMS, 3, p);
-    e = e ? e : arg_mem(cl, K_SAD_ITEMS, 4, b[B_ITEM]);
-    e = e ? e
-          : launch(cl, K_SAD_ITEMS, cl->plan.nx, cl->plan.ny, cl->plan.cfg.labels, 0,
-                   NULL);
+    e = e ? e : arg_int(cl, K_SAD_ITEMS, 3, k);
+    e = e ? e : arg_int(cl, K_SAD_ITEMS, 4, first);
+    e = e ? e : arg_int(cl, K_SAD_ITEMS, 5, last ? cl->params[CL_SHIFT1] : 0);
+    e = e ? e : arg_mem(cl, K_SAD_ITEMS, 6, b[B_ITEM]);
+    return e ? e
+             : launch(cl, K_SAD_ITEMS, cl->params[CL_WIDE] / 8, cl->plan.ny,
+                      cl->plan.cfg.labels, 0, NULL);
+}
+
+/* Pair p, or all views when there is one sum. */
+static cl_int sad_pair(plfx_cl *cl, int32_t p)
+{
+    void **b = cl->buffer;
+    void *const column[] = {b[B_PARAMS], b[B_ITEM], b[B_COLUMN]};
+    int32_t end = cl->params[CL_PAIRS] == 1 ? cl->plan.cfg.n - 1 : p + 1;
+    cl_int e = CL_SUCCESS;
+    int32_t q;
+
+    for (q = p; q < end && !e; q++) {
+        int32_t k = q < cl->plan.cfg.ref ? q : q + 1;
+        e = sad_view(cl, k, q == p, q == end - 1);
+    }
     e = e ? e : args(cl, K_SAD_COLUMNS, column, 3);
     return e ? e
-             : launch(cl, K_SAD_COLUMNS, cl->plan.nx, cl->plan.cfg.labels, bands(cl), 1,
+             : launch(cl, K_SAD_COLUMNS, cl->params[CL_WIDE] / 8, cl->plan.cfg.labels,
+                      bands(cl), 1, NULL);
+}
+
+static cl_int pad(plfx_cl *cl, void *views)
+{
+    void *const in[] = {cl->buffer[B_PARAMS], views, cl->buffer[B_PADDED]};
+    cl_int e = args(cl, K_PAD, in, 3);
+
+    return e ? e
+             : launch(cl, K_PAD, cl->params[CL_STRIDE], cl->plan.ny, cl->plan.cfg.n, 0,
                       NULL);
 }
 
@@ -139,8 +185,9 @@ static cl_int match(plfx_cl *cl, int32_t slot, void *views)
     int32_t p;
 
     e = e ? e : launch(cl, K_REF_COLUMNS, cl->plan.nx, 1, bands(cl), 1, NULL);
+    e = e || cl->params[CL_ZNCC] ? e : pad(cl, views);
     for (p = 0; p < cl->params[CL_PAIRS] && !e; p++) {
-        e = cl->params[CL_ZNCC] ? zncc_pair(cl, views, p) : sad_pair(cl, views, p);
+        e = cl->params[CL_ZNCC] ? zncc_pair(cl, views, p) : sad_pair(cl, p);
         e = e ? e : winners(cl, p);
     }
     return e ? e : fuse(cl, slot);

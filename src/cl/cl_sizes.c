@@ -4,6 +4,11 @@
 
 #include <string.h>
 
+int32_t plfx_cl_pad(const plfx_plan *plan)
+{
+    return plan->reach_x + 2;
+}
+
 static void match_sizes(const plfx_plan *plan, plfx_cl_sizes *s)
 {
     uint64_t pairs = plan->cfg.method == PLFX_METHOD_PAIRS ? plan->cfg.n - 1u : 1u;
@@ -20,6 +25,10 @@ static void match_sizes(const plfx_plan *plan, plfx_cl_sizes *s)
     if (plan->cfg.cost == PLFX_COST_ZNCC) {
         s->buffer[B_PAIR_SUMS] = 12u * cells;
     } else {
+        s->buffer[B_PADDED] = 2u * (uint64_t)(plan->nx + 2 * plfx_cl_pad(plan) + 8) *
+                              plan->cfg.n * (uint64_t)plan->ny;
+        cells =
+            8u * (uint64_t)((plan->nx + 7) / 8) * (uint64_t)plan->ny * plan->cfg.labels;
         s->buffer[B_ITEM] = 2u * cells;
         s->buffer[B_COLUMN] = 2u * cells;
     }

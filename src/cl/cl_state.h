@@ -21,6 +21,7 @@ enum {
     B_MISSING, /* one byte a lens */
     B_GAIN,    /* white gain of every view sample */
     B_VIEWS,
+    B_PADDED,    /* views with replicated borders */
     B_SHIFT,     /* int2 q4 of every view and label */
     B_SPAN,      /* short4 of every pair and label */
     B_ITEM,      /* SAD of one lens, every label */
@@ -41,6 +42,7 @@ PLFX_STATIC_ASSERT(CL_PARAMS <= 40, params_fit);
 enum {
     K_UNPACK,
     K_EXTRACT,
+    K_PAD,
     K_SAD_ITEMS,
     K_SAD_COLUMNS,
     K_SAD_WINNERS,
@@ -52,6 +54,7 @@ enum {
     K_GRADIENT_MAP,
     K_COUNT
 };
+extern const char *const plfx_cl_kernel_name[K_COUNT];
 PLFX_STATIC_ASSERT(K_COUNT <= PLFX_CL_KERNELS, kernels_fit);
 
 /* Bytes of every buffer, 0 where the plan does not use it; bytes of one frame of
@@ -61,6 +64,9 @@ typedef struct plfx_cl_sizes {
     uint64_t input, lenses;
 } plfx_cl_sizes;
 plfx_cl_sizes plfx_cl_sizes_of(const plfx_plan *plan, const plfx_cl_input *input);
+
+/* Columns of replicated border: the farthest sample and its neighbour. */
+int32_t plfx_cl_pad(const plfx_plan *plan);
 
 /* 1 when the pair fits together. */
 int32_t plfx_cl_input_ok(const plfx_plan *plan, const plfx_cl_input *input);

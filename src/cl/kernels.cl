@@ -179,51 +179,104 @@ static size_t cell(__constant int32_t *P, int32_t l, int32_t y, int32_t x)
 
 /* ---- sum of absolute differences ---------------------------------------------- */
 
-/* Global size (nx, ny, labels): costs of pair p, or of all views when there is one. */
-__kernel void sad_items(__constant int32_t *P, __global const ushort *views,
-                        __global const int2 *shift, int32_t p, __global ushort *item)
+/* Global size (stride, ny, views): rows with replicated borders, so that no sample of
+ * any label leaves them. */
+__kernel void pad(__constant int32_t *P, __global const ushort *views,
+                  __global ushort *padded)
 {
     int32_t x = (int32_t)get_global_id(0);
     int32_t y = (int32_t)get_global_id(1);
+    int32_t k = (int32_t)get_global_id(2);
+
+    if (x < P[CL_STRIDE] && y < P[CL_NY]) {
+        padded[(y * P[CL_VIEWS] + k) * P[CL_STRIDE] + x] =
+            (ushort)view_px(P, views, k, x - P[CL_PAD], y);
+    }
+}
+
+/* Where target (0,y) reads a padded row of view k displaced by x_q4. */
+static int32_t entry(__constant int32_t *P, int32_t k, int32_t x_q4, int32_t y,
+                     int32_t row, uint32_t *f)
+{
+    int32_t r = plfx_clamp_i32(row, 0, P[CL_NY] - 1);
+    int32_t q = x_q4 + (P[CL_HEX] ? P[CL_ODD] * ((y & 1) - (r & 1)) : 0);
+    int32_t whole = plfx_asr_i32(q, 4);
+
+    *f = (uint32_t)(q - 16 * whole);
+    return (r * P[CL_VIEWS] + k) * P[CL_STRIDE] + P[CL_PAD] + whole;
+}
+
+static uint8 along8(__global const ushort *p, uint32_t f)
+{
+    return convert_uint8(vload8(0, p)) * (16u - f) +
+           convert_uint8(vload8(0, p + 1)) * f;
+}
+
+/* Element of a plane of costs at label l, row y, lens x. */
+static size_t wide(__constant int32_t *P, int32_t l, int32_t y, int32_t x)
+{
+    return ((size_t)l * (size_t)P[CL_NY] + (size_t)y) * (size_t)P[CL_WIDE] + (size_t)x;
+}
+
+/* Global size (nx/8, ny, labels): |A - B| of view k for 8 lenses, added to what earlier
+/* Global size (stride, ny, views): rows with replicated borders: no sample of any label
+ * leaves them. */
+__kernel void sad_items(__constant int32_t *P, __global const ushort *padded,
+                        __global const int2 *shift, int32_t k, int32_t first,
+                        int32_t cut, __global ushort *item)
+{
+    int32_t x = 8 * (int32_t)get_global_id(0);
+    int32_t y = (int32_t)get_global_id(1);
     int32_t l = (int32_t)get_global_id(2);
-    int32_t last = P[CL_PAIRS] == 1 ? P[CL_VIEWS] - 1 : p + 1;
-    uint32_t sum = 0;
-    uint32_t a;
-    int32_t q;
+    int2 s = shift[k * P[CL_LABELS] + l];
+    int32_t ky = plfx_asr_i32(s.y, 4);
+    uint32_t fy = (uint32_t)(s.y - 16 * ky);
+    uint32_t f;
+    uint8 b;
+    uint8 sum;
+    int32_t at;
 
     if (x >= P[CL_NX] || y >= P[CL_NY]) {
         return;
     }
-    a = view_px(P, views, P[CL_REF], x, y);
-    for (q = p; q < last; q++) {
-        int32_t k = pair_view(P, q);
-        sum += abs_diff(a, sample_view(P, views, k, shift[k * P[CL_LABELS] + l], x, y));
+    at = entry(P, k, s.x, y, y + ky, &f) + x;
+    b = along8(padded + at, f) * (16u - fy);
+    if (fy) {
+        at = entry(P, k, s.x, y, y + ky + 1, &f) + x;
+        b += along8(padded + at, f) * fy;
     }
-    item[cell(P, l, y, x)] = (ushort)(sum >> P[CL_SHIFT1]);
+    b = (b + 128u) >> 8;
+    at = (y * P[CL_VIEWS] + P[CL_REF]) * P[CL_STRIDE] + P[CL_PAD] + x;
+    sum = abs_diff(convert_uint8(vload8(0, padded + at)), b);
+    if (!first) {
+        sum += convert_uint8(vload8(0, item + wide(P, l, y, x)));
+    }
+    vstore8(convert_ushort8(sum >> (uint32_t)cut), 0, item + wide(P, l, y, x));
 }
 
-/* Global size (nx, labels, bands): vertical sums of rows y-r .. y+r, cut by shift2. */
+/* Global size (nx/8, labels, bands): vertical sums of rows y-r..y+r, cut by shift2. */
 __kernel void sad_columns(__constant int32_t *P, __global const ushort *item,
                           __global ushort *column)
 {
-    int32_t x = (int32_t)get_global_id(0);
+    int32_t x = 8 * (int32_t)get_global_id(0);
     int32_t l = (int32_t)get_global_id(1);
     int32_t r = P[CL_WINDOW] / 2;
     int32_t first = r + (int32_t)get_global_id(2) * P[CL_BAND];
     int32_t end = plfx_min_i32(first + P[CL_BAND], P[CL_NY] - r);
-    uint32_t sum = 0;
+    uint8 sum = 0;
     int32_t y;
 
-    if (x >= P[CL_NX] || first >= end) {
+    if (x >= P[CL_NX] || first >= end || l >= P[CL_LABELS]) {
         return;
     }
     for (y = first - r; y < first + r; y++) {
-        sum += item[cell(P, l, y, x)];
+        sum += convert_uint8(vload8(0, item + wide(P, l, y, x)));
     }
     for (y = first; y < end; y++) {
-        sum += item[cell(P, l, y + r, x)];
-        column[cell(P, l, y, x)] = (ushort)(sum >> P[CL_SHIFT2]);
-        sum -= item[cell(P, l, y - r, x)];
+        sum += convert_uint8(vload8(0, item + wide(P, l, y + r, x)));
+        vstore8(convert_ushort8(sum >> (uint32_t)P[CL_SHIFT2]), 0,
+                column + wide(P, l, y, x));
+        sum -= convert_uint8(vload8(0, item + wide(P, l, y - r, x)));
     }
 }
 
@@ -408,7 +461,7 @@ static uint32_t window_cost(__constant int32_t *P, __global const ushort *column
     int32_t i;
 
     for (i = x - r; i <= x + r; i++) {
-        sum += column[cell(P, l, y, i)];
+        sum += column[wide(P, l, y, i)];
     }
     return sum;
 }

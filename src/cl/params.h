@@ -38,6 +38,9 @@
 #define CL_DOWN     32
 #define CL_WHITE    33
 #define CL_BAND     34 /* rows a work-item slides along */
+#define CL_PAD      35 /* columns of replicated border on either side of a view row */
+#define CL_STRIDE   36 /* elements of a padded view row */
+#define CL_WIDE     37 /* elements of a row of costs: lenses rounded up to 8 */
 #define CL_PARAMS   40
 
 #endif
