@@ -7,9 +7,14 @@
 typedef int plft_command(int argc, char **argv);
 
 plft_command plft_cmd_calibrate;
+plft_command plft_cmd_depth;
 plft_command plft_cmd_devices;
 plft_command plft_cmd_evaluate;
 plft_command plft_cmd_help;
+plft_command plft_cmd_import_centres;
+plft_command plft_cmd_info;
+plft_command plft_cmd_refocus;
 plft_command plft_cmd_simulate;
+plft_command plft_cmd_views;
 
 #endif

@@ -16,6 +16,12 @@ typedef struct entry {
 /* In the order in which one works with a camera. */
 static const entry commands[] = {
     {"calibrate", plft_cmd_calibrate, "a lens table from a calibration frame"},
+    {"import-centres", plft_cmd_import_centres,
+     "lens table from centres measured elsewhere"},
+    {"info", plft_cmd_info, "what a lens table says"},
+    {"views", plft_cmd_views, "sub-aperture views of a raw frame, as pictures"},
+    {"depth", plft_cmd_depth, "slope, confidence and distance of every lens"},
+    {"refocus", plft_cmd_refocus, "a picture focused after it was taken"},
     {"evaluate", plft_cmd_evaluate, "a depth map against its truth"},
     {"simulate", plft_cmd_simulate, "frames of an imagined camera, with their truth"},
     {"devices", plft_cmd_devices, "what depth --device can name"},

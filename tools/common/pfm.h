@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * PFM: 32-bit float maps, NaN where nothing was measured.  In memory row 0 is the top
- * of the scene; the file stores rows bottom-up, as the format says. */
+ * of the field; the file stores rows bottom-up, as the format says. */
 #ifndef PLFT_PFM_H
 #define PLFT_PFM_H
 

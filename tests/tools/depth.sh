@@ -1,0 +1,106 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# From a frame to maps: import-centres, info, views, depth, refocus on a simulated scene.
+set -eu
+plenofix=$(realpath "$1")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir"
+
+cat >s.json <<'JSON'
+{"seed": 3, "rays": 2, "frames": ["white", "dark", "scene"],
+ "camera": {"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [36, 28]},
+ "sensor": {"bits": 12, "full_well_e": 30000},
+ "objects": [{"type": "plane", "z_mm": 560}]}
+JSON
+"$plenofix" simulate s.json -o s
+size=$(od -An -tu1 -j16 -N8 s/scene.png | awk '{print $3*256+$4 "x" $7*256+$8}')
+near() { # name, value, from, to
+    awk -v v="$2" -v a="$3" -v b="$4" 'BEGIN {exit !(v >= a && v <= b)}' ||
+        { echo "$1 is $2, want $3 .. $4"; exit 1; }
+}
+figure() { # key, file: the first number after "key":
+    sed -n "s/^ *\"$1\": \([-0-9.e]*\),*\$/\1/p" "$2" | head -1
+}
+
+# Tables: labelled centres, the same without labels and in another order, round trip.
+"$plenofix" import-centres s/centres.csv --size "$size" --bits 12 -o t.plut
+tail -n +2 s/centres.csv | cut -d, -f3,4 | sort -R --random-source=s.json >xy.csv
+"$plenofix" import-centres xy.csv --size "$size" --bits 12 -o xy.plut
+"$plenofix" info t.plut --json --centres c.csv --c-array t.c >info.json
+"$plenofix" info xy.plut --json --centres cxy.csv >/dev/null
+cmp c.csv cxy.csv
+"$plenofix" import-centres c.csv --size "$size" --bits 12 -o again.plut
+cmp t.plut again.plut
+near pitch "$(figure pitch info.json)" 17 17.4
+grep -q '"nx": 36' info.json && grep -q '"missing": 0' info.json
+[ "$(grep -o ',' t.c | wc -l)" -ge "$(stat -c %s t.plut)" ]
+"$plenofix" info t.plut | grep -q 'square'
+awk -F, 'NR == 1 {print; next} {printf "%s,%s,%.0f,%.0f\n", $1, $2, $3, $4}' s/centres.csv \
+    >whole.csv
+"$plenofix" import-centres whole.csv --size "$size" -o whole.plut
+"$plenofix" import-centres whole.csv --size "$size" --smooth -o smooth.plut
+"$plenofix" info whole.plut --json >whole.json
+"$plenofix" info smooth.plut --json >smooth.json
+near 'residual' "$(figure residual_rms smooth.json)" 0 "$(figure residual_rms whole.json)"
+
+# Depth of a plane: every output, near the truth, in the range found.
+depth() { "$plenofix" depth s/scene.png --bits 12 --lut t.plut "$@"; }
+depth -o d.pfm --confidence c.pfm --sigma e.pfm --flags f.png --png p.png --png16 g.png \
+    --ply p.ply --optics s/optics.json --depth-mm mm.pfm --json >d.json
+for f in d.pfm c.pfm e.pfm f.png p.png g.png p.ply mm.pfm; do
+    [ -s "$f" ] || { echo "no $f"; exit 1; }
+done
+near measured "$(figure measured d.json)" 0.5 1
+"$plenofix" evaluate d.pfm s/slope.pfm --border 6 --json >e.json
+near "mean square error" "$(figure mse_x100 e.json)" 0 0.001
+"$plenofix" evaluate mm.pfm s/depth_mm.pfm --border 6 --json >e.json
+near "mm error" "$(figure median_x100 e.json)" 0 300
+head -c 300 p.ply | grep -aq 'property float confidence'
+
+# White and dark frames; white divides the vignetting out of a summed cost.
+depth --method sweep --white s/white.png --dark s/dark.png -o w.pfm
+"$plenofix" evaluate w.pfm s/slope.pfm --border 6 --json >e.json
+near "mean square error" "$(figure mse_x100 e.json)" 0 0.01
+
+# The same map from the frame and from its views, method by method.
+same() { # views options -- depth options
+    "$plenofix" views s/scene.png --bits 12 --lut t.plut -o v $1 >/dev/null
+    depth -o a.pfm --flags a.png $2
+    "$plenofix" depth --views-dir v -o b.pfm --flags b.png $2
+    cmp a.pfm b.pfm
+    cmp a.png b.png
+    rm -r v
+}
+same "" ""
+same "" "--method binocular"
+same "" "--method sweep --slopes -0.2:0.2:17 --window 5"
+same "--axes u" "--axes u --fuse correlation"
+same "--method gradient" "--method gradient"
+same "--adjacent" "--adjacent"
+same "--white s/white.png --view-bits 8" "--white s/white.png --view-bits 8 --cost sad"
+
+# Refocus and all views; the same picture from views.
+"$plenofix" views s/scene.png --bits 12 --lut t.plut -o all --views all >/dev/null
+[ -s all/contact-sheet.png ]
+"$plenofix" refocus s/scene.png --bits 12 --lut t.plut --slope 0.02 -o r1.png
+"$plenofix" refocus --views-dir all --slope 0.02 -o r2.png
+cmp r1.png r2.png
+
+# Bayer mosaics.
+sed 's/"bits": 12/"bits": 12, "bayer": "grbg"/' s.json >bayer.json
+"$plenofix" simulate bayer.json -o bayer
+for c in grey r g b; do
+    "$plenofix" depth bayer/scene.png --bits 12 --lut t.plut --bayer grbg --channel $c \
+        -o "$c.pfm" >/dev/null
+    "$plenofix" evaluate "$c.pfm" s/slope.pfm --border 6 --json >e.json
+    near "mean square error of $c" "$(figure mse_x100 e.json)" 0 0.04
+done
+
+for c in import-centres info views depth refocus; do
+    "$plenofix" $c --help | grep -q "usage: plenofix $c"
+    "$plenofix" help $c >/dev/null
+done
+"$plenofix" --version | grep -q '^plenofix [0-9]'
+echo ok

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ * Running a plan on a field, with the memory that takes. */
+#ifndef PLFT_MATCH_H
+#define PLFT_MATCH_H
+
+#include "common/field.h"
+#include "plenofix/plan.h"
+
+typedef struct plft_times { /* CPU seconds */
+    double read, extract, match, write;
+} plft_times;
+
+double plft_cpu_s(void);
+
+/* Planes for a map of nx x ny, malloc'd.  0 or PLFT_DATA. */
+int plft_slopes_alloc(plfx_map *map, int nx, int ny);
+void plft_slopes_free(plfx_map *map);
+
+/* Plan of `cfg` on a field, with messages that name the options.  0, PLFT_USAGE when
+ * the options do not suit the views, or PLFT_DATA. */
+int plft_plan(plfx_plan *plan, const plfx_cfg *cfg, const plft_field *field);
+
+/* Extract the plan's views and match them into `map` (allocated by the caller); adds to
+ * times->extract and times->match.  0 or PLFT_DATA. */
+int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *map,
+               plft_times *times);
+
+/* Lenses that the table flags: LENS set, and no slope where the lens is missing. */
+void plft_flag_lenses(const plft_field *field, const plfx_map *map);
+
+/* Slopes that a light field holds: two coarse matches, percentiles of the confident
+ * samples, widened.  cfg: bits, window, texture and views as they will be used; lo,
+ * hi and labels come back, in the light field's unit.  0 or PLFT_DATA. */
+int plft_find_slopes(const plft_field *field, const plfx_cfg *cfg, double *lo,
+                     double *hi, int *labels, plft_times *times);
+
+#endif
