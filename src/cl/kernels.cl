@@ -219,8 +219,8 @@ static size_t wide(__constant int32_t *P, int32_t l, int32_t y, int32_t x)
 }
 
 /* Global size (nx/8, ny, labels): |A - B| of view k for 8 lenses, added to what earlier
-/* Global size (stride, ny, views): rows with replicated borders: no sample of any label
- * leaves them. */
+ * views left (first != 0: nothing); cut by shift1 after the last.  Lenses beyond nx
+ * read the border and are not used. */
 __kernel void sad_items(__constant int32_t *P, __global const ushort *padded,
                         __global const int2 *shift, int32_t k, int32_t first,
                         int32_t cut, __global ushort *item)
