@@ -20,7 +20,7 @@
 #define MATCH_MIN 0.25 /* worst correlation of a lens that counts */
 #define CUT       4.5  /* robust deviations of an outlier */
 #define PART      3000 /* lenses, about, that are registered while the shape settles */
-#define ROUNDS    8
+#define ROUNDS    12
 #define FINE      24.0 /* pitch up to which the micro-image gets two nodes a pixel */
 
 typedef struct work {
@@ -203,14 +203,19 @@ static int reshape(work *w, block b, int per)
     }
     fold_block(w, b, c->shape.c == NULL, &fold);
     status = plft_shape_fit(&c->shape, &fold, per);
-    plft_fold_free(&fold);
     if (status != 0) {
+        plft_fold_free(&fold);
         return fail(c, "no whole micro-image lies on the picture");
     }
     c->shape.centre.x = c->shape.centre.y = 0.0;
     plft_shape_centre(&c->shape, DISC * c->pitch);
     if (hypot(c->shape.centre.x, c->shape.centre.y) > 0.5 * c->pitch) {
         c->shape.centre.x = c->shape.centre.y = 0.0;
+    }
+    status = plft_shape_round(&c->shape, &fold, radius);
+    plft_fold_free(&fold);
+    if (status != 0) {
+        return fail(c, "out of memory");
     }
     c->model.cx[0] += c->shape.centre.x;
     c->model.cy[0] += c->shape.centre.y;

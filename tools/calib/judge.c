@@ -170,7 +170,7 @@ static int refit(plft_calib *c)
     c->lattice.nx = c->field.nx;
     c->lattice.ny = c->field.ny;
     c->lattice.turned = fabs(c->lattice.a.y) > fabs(c->lattice.a.x);
-    c->pitch = plft_lattice_pitch(&c->lattice);
+    c->pitch = plft_lattice_mean_pitch(&c->lattice);
     return 0;
 }
 

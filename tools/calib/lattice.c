@@ -36,6 +36,12 @@ double plft_lattice_pitch(const plft_lattice *l)
     return fmin(sqrt(dot(l->a, l->a)), sqrt(dot(u, u)));
 }
 
+double plft_lattice_mean_pitch(const plft_lattice *l)
+{
+    const double row = l->kind == PLFX_LATTICE_HEX ? 0.86602540378443864676 : 1.0;
+    return sqrt(fabs(cross(l->a, l->b)) / row);
+}
+
 double plft_lattice_rotation(const plft_lattice *l)
 {
     return DEGREES * (l->turned ? atan2(-l->a.x, l->a.y) : atan2(l->a.y, l->a.x));

@@ -30,6 +30,10 @@ plft_vec plft_lattice_at(const plft_lattice *lattice, int i, int j);
 /* Distance between nearest lens centres. */
 double plft_lattice_pitch(const plft_lattice *lattice);
 
+/* The pitch of the regular lattice with the same lenses an area: one number without
+ * favour to an axis. */
+double plft_lattice_mean_pitch(const plft_lattice *lattice);
+
 /* Angle of the rows in degrees: a against +x, against +y when turned. */
 double plft_lattice_rotation(const plft_lattice *lattice);
 

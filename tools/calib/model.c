@@ -9,6 +9,8 @@
 #include <string.h>
 
 #define K PLFT_TERMS
+#define ODD_MIN                                                                        \
+    0.015 /* px: a smaller shift of odd rows may be the pixel grid's doing */
 
 /* Sums of one pass over the field. */
 typedef struct sums {
@@ -241,7 +243,14 @@ static int pick_terms(plft_model *m, const plft_field *f, const sums *s, double 
         return -1;
     }
     use_terms(m, best_order, best_odd);
-    return solve(m, s);
+    if (solve(m, s) != 0) {
+        return -1;
+    }
+    if (best_odd && hypot(m->cx[3], m->cy[3]) < ODD_MIN) {
+        use_terms(m, best_order, 0);
+        return solve(m, s);
+    }
+    return 0;
 }
 
 /* Flag what is beyond cut robust deviations (1.48 medians of the distance ratio of a

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #define SMOOTH 1e-5 /* weight of squared second differences against one lens' pixels */
+#define RINGS  4    /* nodes of the radial profile a pixel */
+#define OVAL   0.08 /* misfit up to which a micro-image counts as round */
 #define STEPS  60   /* of conjugate gradients, at most */
 
 int plft_fold_init(plft_fold *f, int half, int phases)
@@ -141,16 +143,186 @@ void plft_shape_slope(const plft_shape *s, double x, double y, double *value,
     *gy = s->per * blend(c, s->m, wx, dy);
 }
 
+/* Value and slope of the radial profile; nodes are mirrored at r = 0. */
+static double ring_at(const plft_shape *s, double r, double *slope)
+{
+    const double k = fmin(r * RINGS, s->rings - 3.0);
+    const int i = (int)k;
+    double w[4], d[4], v = 0.0;
+    int n;
+
+    spline(k - i, w);
+    spline_slope(k - i, d);
+    *slope = 0.0;
+    for (n = 0; n < 4; n++) {
+        const double c = s->ring[abs(i + n - 1)];
+        v += w[n] * c;
+        *slope += RINGS * d[n] * c;
+    }
+    return v;
+}
+
 void plft_shape_even(const plft_shape *s, double x, double y, double *value, double *gx,
                      double *gy)
 {
     double v, vx, vy;
 
+    if (s->round) {
+        const double r = hypot(x, y);
+        *value = ring_at(s, r, &v);
+        *gx = r > 0.0 ? v * x / r : 0.0;
+        *gy = r > 0.0 ? v * y / r : 0.0;
+        return;
+    }
     plft_shape_slope(s, s->centre.x + x, s->centre.y + y, value, gx, gy);
     plft_shape_slope(s, s->centre.x - x, s->centre.y - y, &v, &vx, &vy);
     *value = 0.5 * (*value + v);
     *gx = 0.5 * (*gx - vx);
     *gy = 0.5 * (*gy - vy);
+}
+
+/* Normal equations of the radial profile. */
+typedef struct ring_sums {
+    double *g, *rhs; /* [rings][4] band of the normal matrix; right-hand side */
+    int n;
+} ring_sums;
+
+static void ring_add(ring_sums *sums, double r, double v, double weight)
+{
+    const double k = r * RINGS;
+    const int i = (int)k;
+    double w[4];
+    int p, q;
+
+    if (i + 2 >= sums->n) {
+        return;
+    }
+    spline(k - i, w);
+    for (p = 0; p < 4; p++) {
+        const int row = abs(i + p - 1);
+        sums->rhs[row] += weight * w[p] * v;
+        for (q = 0; q < 4; q++) {
+            const int column = abs(i + q - 1);
+            if (column >= row) {
+                sums->g[4 * row + column - row] += weight * w[p] * w[q];
+            }
+        }
+    }
+}
+
+/* Second differences, weakly, so that radii without a sample are bridged. */
+static void ring_smooth(ring_sums *s)
+{
+    static const double d[3] = {1.0, -2.0, 1.0};
+    double trace = 0.0;
+    int k, p, q;
+
+    for (k = 0; k < s->n; k++) {
+        trace += s->g[4 * k] / s->n;
+    }
+    for (k = 0; k + 2 < s->n; k++) {
+        for (p = 0; p < 3; p++) {
+            for (q = p; q < 3; q++) {
+                s->g[4 * (k + p) + q - p] += 1e-4 * trace * d[p] * d[q];
+            }
+        }
+    }
+}
+
+/* Banded Cholesky, half width 3, in place; then both substitutions. */
+static void ring_solve(ring_sums *s, double *x)
+{
+    const int n = s->n;
+    double *g = s->g;
+    int k, p, q;
+
+    for (k = 0; k < n; k++) {
+        const double pivot = fmax(g[4 * k], 1e-300);
+        for (p = 1; p < 4 && k + p < n; p++) {
+            const double f = g[4 * k + p] / pivot;
+            for (q = p; q < 4; q++) {
+                g[4 * (k + p) + q - p] -= f * g[4 * k + q];
+            }
+            s->rhs[k + p] -= f * s->rhs[k];
+        }
+    }
+    for (k = n - 1; k >= 0; k--) {
+        double v = s->rhs[k];
+        for (p = 1; p < 4 && k + p < n; p++) {
+            v -= g[4 * k + p] * x[k + p];
+        }
+        x[k] = v / fmax(g[4 * k], 1e-300);
+    }
+}
+
+static void ring_fold(const plft_shape *s, const plft_fold *f, ring_sums *sums)
+{
+    const size_t n = (size_t)f->n * (size_t)f->n;
+    const int bins = f->phases * f->phases;
+    int b, x, y;
+
+    for (b = 0; b < bins; b++) {
+        const double w = f->weight[b];
+        const double *v = f->sum + (size_t)b * n;
+        for (y = 0; w > 0.0 && y < f->n; y++) {
+            for (x = 0; x < f->n; x++) {
+                ring_add(sums,
+                         hypot(x - f->half - f->fx[b] / w - s->centre.x,
+                               y - f->half - f->fy[b] / w - s->centre.y),
+                         v[y * f->n + x] / w, w);
+            }
+        }
+    }
+}
+
+/* rms of the folded pixels about the ring profile, over their contrast. */
+static double ring_misfit(const plft_shape *s, const plft_fold *f, double radius)
+{
+    const size_t n = (size_t)f->n * (size_t)f->n;
+    double e2 = 0.0, v1 = 0.0, v2 = 0.0, total = 0.0;
+    int b, x, y;
+
+    for (b = 0; b < f->phases * f->phases; b++) {
+        const double w = f->weight[b];
+        for (y = 0; w > 0.0 && y < f->n; y++) {
+            for (x = 0; x < f->n; x++) {
+                double r = hypot(x - f->half - f->fx[b] / w - s->centre.x,
+                                 y - f->half - f->fy[b] / w - s->centre.y);
+                double v = f->sum[(size_t)b * n + (size_t)(y * f->n + x)] / w, slope, e;
+                if (r > radius) {
+                    continue;
+                }
+                e = v - ring_at(s, r, &slope);
+                e2 += w * e * e;
+                v1 += w * v;
+                v2 += w * v * v;
+                total += w;
+            }
+        }
+    }
+    return total > 0.0 ? sqrt(e2 / fmax(v2 - v1 * v1 / total, 1e-30)) : 1.0;
+}
+
+int plft_shape_round(plft_shape *s, const plft_fold *f, double radius)
+{
+    ring_sums sums;
+
+    free(s->ring);
+    sums.n = s->rings = (f->half + 1) * RINGS + 3;
+    s->ring = calloc((size_t)s->rings, sizeof *s->ring);
+    sums.g = calloc(5u * (size_t)s->rings, sizeof *sums.g);
+    if (s->ring == NULL || sums.g == NULL) {
+        free(sums.g);
+        return -1;
+    }
+    sums.rhs = sums.g + 4 * s->rings;
+    ring_fold(s, f, &sums);
+    ring_smooth(&sums);
+    ring_solve(&sums, s->ring);
+    free(sums.g);
+    s->oval = ring_misfit(s, f, radius);
+    s->round = s->oval < OVAL;
+    return 0;
 }
 
 /* out += weight * B'(B x - data) of one phase bin; data NULL: zero.  All pixels of a
@@ -331,6 +503,7 @@ int plft_shape_fit(plft_shape *s, const plft_fold *f, int per)
 void plft_shape_free(plft_shape *s)
 {
     free(s->c);
+    free(s->ring);
     memset(s, 0, sizeof *s);
 }
 

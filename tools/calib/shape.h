@@ -26,6 +26,10 @@ typedef struct plft_shape {
     int half;        /* half width of the fitted window, pixels */
     int per, m;      /* nodes a pixel, nodes on a side */
     double *c;       /* [m][m] B-spline coefficients */
+    int round;       /* `ring` describes T well enough to register against */
+    int rings;       /* nodes of the radial profile */
+    double *ring;    /* [rings] cubic B-spline of the mean over circles */
+    double oval;     /* rms of T about its mean over circles, over T's contrast */
     plft_vec centre; /* of point symmetry, relative to where the lenses were thought */
     double centre_sigma; /* 1-sigma of it from what is not symmetric, px */
     double asymmetry;    /* rms of T(c+d) - T(c-d) over rms of T about its mean */
@@ -47,11 +51,17 @@ double plft_shape_at(const plft_shape *shape, double x, double y);
 void plft_shape_slope(const plft_shape *shape, double x, double y, double *value,
                       double *gx, double *gy);
 
-/* The even part of T about its centre, (T(c+d) + T(c-d))/2, and its gradient in d.
- * Lenses registered against it find their own centre of symmetry; against T itself
- * they would repeat whatever error of place went into T. */
+/* What lenses are registered against: the mean of T over circles about its centre
+ * where the micro-image is round, else its even part (T(c+d) + T(c-d))/2; value and
+ * gradient at d.  Either is even, so that a lens finds its own centre of symmetry;
+ * against T itself it would repeat whatever error of place went into T.  The circles
+ * sample the profile at many radii even when all lenses have one sub-pixel phase. */
 void plft_shape_even(const plft_shape *shape, double x, double y, double *value,
                      double *gx, double *gy);
+
+/* Radial profile about the centre from the folded pixels; sets ring, oval and round. 0,
+ * or -1 (memory). */
+int plft_shape_round(plft_shape *shape, const plft_fold *fold, double radius);
 
 /* Set centre and asymmetry: least squares of T(c+d) - T(c-d) over |d| <= radius, from
  * the current centre. */
