@@ -5,12 +5,29 @@
 /* Pixels under one lens: offsets of +-128 px and two taps. */
 #define SEGMENT_MAX 260
 
+/* Lanes may read and write back this many samples behind the last. */
+#define GATHER_SPARE 8
+
+static void carve_order(plfx_gather *g, size_t nx, plfx_arena *a)
+{
+    int32_t k;
+
+    g->centre = plfx_take(a, nx, sizeof(plfx_point));
+    g->begin = plfx_take(a, nx, sizeof(int16_t));
+    for (k = 0; k < g->open; k++) {
+        plfx_gather_order *o = &g->order[k];
+        o->x_q16 = plfx_take(a, 2u * nx + 2u * GATHER_SPARE, sizeof(int32_t));
+        o->y_q16 = o->x_q16 + nx + GATHER_SPARE;
+        o->lens = plfx_take(a, nx + PLFX_GATHER_ROWS + 1u, sizeof(uint16_t));
+        o->start = o->lens + nx;
+    }
+}
+
 void plfx_gather_carve(plfx_gather *g, const plfx_stream_cfg *cfg, plfx_arena *a)
 {
     size_t nx = (size_t)cfg->lut->lattice.nx;
     size_t open = (size_t)cfg->open_rows;
     size_t n = cfg->plan->cfg.n;
-    int32_t fast = cfg->profile == PLFX_PROFILE_FAST;
 
     g->lut = cfg->lut;
     g->tone = cfg->tone;
@@ -19,13 +36,17 @@ void plfx_gather_carve(plfx_gather *g, const plfx_stream_cfg *cfg, plfx_arena *a
     g->open = cfg->open_rows;
     g->white = cfg->white && cfg->lut->gain.length > 0;
     g->bits = cfg->bits;
+    g->ordered = cfg->profile == PLFX_PROFILE_FAST;
     g->shift = plfx_take(a, n, sizeof(plfx_point));
-    g->centre = fast ? plfx_take(a, open * nx, sizeof(plfx_point)) : NULL;
-    g->rows = plfx_take(a, open * n * nx, sizeof(uint16_t));
-    g->gain = g->white ? plfx_take(a, nx, sizeof(uint16_t)) : NULL;
+    g->rows = plfx_take(a, open * n * nx + GATHER_SPARE, sizeof(uint16_t));
+    g->line = g->white || g->ordered ? plfx_take(a, nx, sizeof(uint16_t)) : NULL;
+    g->centre = NULL;
     g->pixels = NULL;
-    if (fast && cfg->format != PLFX_RAW_U16) {
-        g->pixels = plfx_take(a, (size_t)cfg->lut->sensor_w, sizeof(uint16_t));
+    if (g->ordered) {
+        carve_order(g, nx, a);
+        if (cfg->format != PLFX_RAW_U16) {
+            g->pixels = plfx_take(a, (size_t)cfg->lut->sensor_w, sizeof(uint16_t));
+        }
     }
 }
 
@@ -47,8 +68,7 @@ void plfx_gather_start(plfx_gather *g)
     }
 }
 
-/* Sensor rows under the lens at c. */
-static plfx_rows_span under(const plfx_gather *g, plfx_point c)
+plfx_rows_span plfx_gather_under(const plfx_gather *g, plfx_point c)
 {
     int32_t last = g->lut->sensor_h - 1;
     plfx_rows_span s;
@@ -70,7 +90,7 @@ plfx_rows_span plfx_gather_span(const plfx_gather *g, int32_t j)
 
     for (i = 0; i < g->lut->lattice.nx; i++) {
         if (!missing(g, i, j)) {
-            plfx_rows_span s = under(g, plfx_lut_centre(g->lut, i, j));
+            plfx_rows_span s = plfx_gather_under(g, plfx_lut_centre(g->lut, i, j));
             all.lo = plfx_min_i32(all.lo, s.lo);
             all.hi = plfx_max_i32(all.hi, s.hi);
         }
@@ -81,16 +101,15 @@ plfx_rows_span plfx_gather_span(const plfx_gather *g, int32_t j)
 void plfx_gather_open(plfx_gather *g, int32_t j)
 {
     int32_t slot = j % g->open;
-    int32_t nx = g->lut->lattice.nx;
-    plfx_rows_span s = plfx_gather_span(g, j);
-    int32_t i;
+    plfx_rows_span s;
 
+    if (g->ordered) {
+        plfx_gather_sort(g, j);
+        return;
+    }
+    s = plfx_gather_span(g, j);
     g->lo[slot] = s.lo;
     g->hi[slot] = s.hi;
-    for (i = 0; g->centre && i < nx; i++) {
-        g->centre[(size_t)slot * (size_t)nx + (size_t)i] =
-            plfx_lut_centre(g->lut, i, j);
-    }
 }
 
 void plfx_gather_unpack(plfx_gather *g, const plfx_raw_row *row)
@@ -101,17 +120,14 @@ void plfx_gather_unpack(plfx_gather *g, const plfx_raw_row *row)
     }
 }
 
-/* Pixels x0 .. x1 of a row: in place, from the unpacked row, or unpacked here. */
-static const uint16_t *segment(const plfx_gather *g, const plfx_raw_row *row,
-                               int32_t x0, int32_t x1, uint16_t *room)
+/* Pixels x0 .. x1 of a row: in place, or unpacked here. */
+static const uint16_t *segment(const plfx_raw_row *row, int32_t x0, int32_t x1,
+                               uint16_t *room)
 {
     plfx_status checked;
 
     if (row->format == PLFX_RAW_U16) {
         return (const uint16_t *)(const void *)row->bytes + x0;
-    }
-    if (g->pixels) {
-        return g->pixels + x0;
     }
     checked = plfx_raw_unpack(row, x0, x1 - x0 + 1, room);
     (void)checked; /* by the caller: it cannot fail */
@@ -168,7 +184,7 @@ static void taps(const plfx_gather *g, plfx_point c, int32_t y, const plfx_raw_r
     l.y = y;
     l.x0 = plfx_clamp_i32(plfx_asr_i32(c.x_q16 + g->least.x_q16, 16), 0, last);
     x1 = plfx_clamp_i32(plfx_asr_i32(c.x_q16 + g->most.x_q16, 16) + 1, 0, last);
-    l.px = segment(g, row, l.x0, x1, room);
+    l.px = segment(row, l.x0, x1, room);
     for (k = 0; k < g->n; k++) {
         tap(g, &l, k, to + (size_t)k * nx);
     }
@@ -184,10 +200,13 @@ void plfx_gather_taps(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *
     if (y < g->lo[slot] || y > g->hi[slot]) {
         return;
     }
+    if (g->ordered) {
+        plfx_gather_lanes(g, j, y, row);
+        return;
+    }
     for (i = 0; i < nx; i++) {
-        plfx_point c = g->centre ? g->centre[(size_t)slot * (size_t)nx + (size_t)i]
-                                 : plfx_lut_centre(g->lut, i, j);
-        plfx_rows_span s = under(g, c);
+        plfx_point c = plfx_lut_centre(g->lut, i, j);
+        plfx_rows_span s = plfx_gather_under(g, c);
         if (y >= s.lo && y <= s.hi && !missing(g, i, j)) {
             taps(g, c, y, row, to + i);
         }
@@ -248,13 +267,16 @@ void plfx_gather_close(plfx_gather *g, int32_t j)
     int32_t k;
     int32_t i;
 
+    if (g->ordered) {
+        plfx_gather_place(g, j);
+    }
     for (k = 0; k < g->n; k++) {
         uint16_t *row = g->rows + (size_t)((j % g->open) * g->n + k) * (size_t)nx;
         if (g->white) {
             plfx_status known =
-                plfx_lut_gain_row(g->lut, j, g->at[k].u_q8, g->at[k].v_q8, g->gain);
+                plfx_lut_gain_row(g->lut, j, g->at[k].u_q8, g->at[k].v_q8, g->line);
             (void)known; /* the table was opened: it cannot fail */
-            tone_row_white(c, g->gain, row, nx);
+            tone_row_white(c, g->line, row, nx);
         } else {
             tone_row(c, row, nx);
         }

@@ -9,11 +9,7 @@
 
 #include <string.h>
 
-#if defined(__GNUC__) && !defined(__clang__) && PLFX_LANES > 1
-#define LANES(i) _Pragma("GCC unroll 1") for (i = 0; i < PLFX_LANES; i++)
-#else
-#define LANES(i) for (i = 0; i < PLFX_LANES; i++)
-#endif
+#define LANES(i) PLFX_LANE_LOOP(i, PLFX_LANES)
 
 static inline int16_t apart(int16_t a, int16_t b)
 {

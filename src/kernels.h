@@ -44,6 +44,13 @@
 #error "PLFX_LANES must be 1, 2, 4, 8, 16 or 32"
 #endif
 
+/* for (i = 0; i < n; i++), n constant: not peeled away before it is vectorised. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define PLFX_LANE_LOOP(i, n) _Pragma("GCC unroll 1") for ((i) = 0; (i) < (n); (i)++)
+#else
+#define PLFX_LANE_LOOP(i, n) for ((i) = 0; (i) < (n); (i)++)
+#endif
+
 #define PLFX_BIAS 32768
 
 /* Where a label reads a view: samples off and off + PLFX_LANES, counted from a base
