@@ -50,6 +50,15 @@ scene ', "lattice": "hex", "dim": [[2, 3, 0.1], [4, 4, 0]], "stop_mm": [20, 14]'
 "$plenofix" simulate hex.json -o d
 [ -s d/scene.png ]
 
+# Shot noise of small bright dots must not pass for damage: every lens is found.
+scene ', "rotation_deg": 0.12, "blur_px": 0.25' '' |
+    sed 's/\[12, 9\]/[70, 40]/; s/"bits": 10/"bits": 12, "offset": 64/' |
+    sed 's/"dots", "white", "dark", "scene"/"dots"/' >many.json
+"$plenofix" simulate many.json -o e
+"$plenofix" calibrate e/dots.png --bits 12 -o e.plut >out.txt
+grep -q '2800 found, 0 without light, 0 dim, 0 clipped, 0 interpolated' out.txt ||
+    { cat out.txt; exit 1; }
+
 broken 's/"F_mm": 50,//' '"F_mm" is missing'
 broken 's/"focus_mm": 480/"focus_mm": 40/' 'beyond "F_mm"'
 broken 's/"pitch_mm": 0.125/"pitch_mm": 0.01/' '4 to 100 pixels'

@@ -10,7 +10,8 @@
 
 #define LANES  8 /* independent sums: the compiler may use vectors */
 #define ROUNDS 6
-#define CUT    4.0 /* times the residual: a pixel that is not of this lens */
+#define CUT    4.0  /* times the residual: a pixel that is not of this lens */
+#define GRAIN  0.15 /* of the local height: what a pixel of this lens may be off */
 
 static size_t phase_index(const plft_bank *b, int kx, int ky)
 {
@@ -283,16 +284,19 @@ static int solve_masked(const plft_bank *b, const float *basis, const float *px,
     return 0;
 }
 
-/* Drop from the mask the pixels whose squared residual is over `limit`; how many. */
+/* Drop from the mask the pixels whose squared residual is over `limit` and over what
+ * shot noise and the shape's error explain, GRAIN of the local height; how many. */
 static int drop_outliers(const plft_bank *b, const float *basis, const float *px,
                          float *mask, const double p[4], double limit)
 {
     int k, n = 0;
 
     for (k = 0; k < b->len; k++) {
-        double r = px[k] - p[0] - p[1] * basis[b->len + k] -
-                   p[2] * basis[2 * b->len + k] - p[3] * basis[3 * b->len + k];
-        if (mask[k] > 0.0f && r * r > limit) {
+        double height = p[1] * basis[b->len + k];
+        double r = px[k] - p[0] - height - p[2] * basis[2 * b->len + k] -
+                   p[3] * basis[3 * b->len + k];
+        double grain = GRAIN * height;
+        if (mask[k] > 0.0f && r * r > limit + grain * grain) {
             mask[k] = 0.0f;
             n++;
         }
