@@ -3,7 +3,7 @@
 #include "rows.h"
 #include "fix.h"
 
-#define SLOPE_LIMIT_Q16 (8 * 65536)
+#define SLOPE_LIMIT_Q16 (32 * 65536)
 
 static int32_t method_ok(const plfx_cfg *c)
 {
@@ -11,6 +11,9 @@ static int32_t method_ok(const plfx_cfg *c)
         return c->n == 5 && c->ref == 0;
     }
     if (c->method == PLFX_METHOD_SWEEP) {
+        return c->cost == PLFX_COST_SAD;
+    }
+    if (c->method == PLFX_METHOD_ARMS) {
         return c->cost == PLFX_COST_SAD;
     }
     return c->method == PLFX_METHOD_PAIRS && c->cost <= PLFX_COST_ZNCC;
@@ -81,7 +84,7 @@ static uint32_t top_cost(const plfx_cfg *c)
     return others * ((1u << c->bits) - 1u);
 }
 
-/* D (q16, 2^19) * offset (q8, 2^16) * ratio (q16, 2^17): under 2^52; sixteenths. */
+/* D (q16, 2^21) * offset (q8, 2^16) * ratio (q16, 2^17): under 2^54; sixteenths. */
 static int32_t shift_q4(int32_t slope_q16, int32_t d_q8, int32_t ratio_q16)
 {
     return (int32_t)plfx_div_round_i64((int64_t)slope_q16 * d_q8 * ratio_q16,

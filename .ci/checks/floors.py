@@ -13,7 +13,7 @@ import common
 
 FLOORS = [['base', 'version'], ['image', 'raw'], ['fuse', 'lut'], ['view'], ['plan'],
           ['sweep', 'gradient', 'depth', 'refocus', 'roi', 'modal', 'packet'],
-          ['stream', 'frame'], ['plenofix'], ['port', 'cl']]
+          ['stream', 'frame', 'viewcheck'], ['preset'], ['plenofix'], ['port', 'cl']]
 FLOOR = {name: n for n, names in enumerate(FLOORS) for name in names}
 SYSTEM = {'stdint.h', 'stddef.h', 'string.h'}
 

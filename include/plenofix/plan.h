@@ -18,7 +18,8 @@ extern "C" {
 typedef enum plfx_method {
     PLFX_METHOD_SWEEP = 0, /* one cost summed over all views (SAD only), one winner */
     PLFX_METHOD_PAIRS,     /* one winner a view against the reference, then fused */
-    PLFX_METHOD_GRADIENT   /* least-squares gradient of five views (gradient.h) */
+    PLFX_METHOD_GRADIENT,  /* least-squares gradient of five views (gradient.h) */
+    PLFX_METHOD_ARMS       /* arms of views, aggregated and refined (frame.h) */
 } plfx_method;
 
 typedef enum plfx_cost { PLFX_COST_SAD = 0, PLFX_COST_ZNCC } plfx_cost;
@@ -45,7 +46,7 @@ typedef struct plfx_cfg {
     uint16_t labels;  /* PLFX_LABELS_MIN .. PLFX_LABELS_MAX */
     uint16_t texture; /* mean |gradient| in view counts, q4, under it: TEXTURE; 0 off */
     uint16_t unique_u16;                  /* confidence under it: UNIQUE; 0 off */
-    int32_t slope_min_q16, slope_max_q16; /* lens pitches per sensor px, -8 .. 8 */
+    int32_t slope_min_q16, slope_max_q16; /* lens pitches per sensor px, -32 .. 32 */
     plfx_offset at[PLFX_VIEWS_MAX];
 } plfx_cfg;
 

@@ -123,7 +123,7 @@ static void bad_configurations(void **state)
 
     (void)state;
     memset(&p, 0x5a, sizeof p);
-    REFUSED(method, 3);
+    REFUSED(method, PLFX_METHOD_ARMS + 1);
     REFUSED(method, PLFX_METHOD_GRADIENT); /* three views are not a cross */
     REFUSED(cost, PLFX_COST_ZNCC);         /* not with SWEEP */
     REFUSED(fit, 2);
@@ -140,8 +140,8 @@ static void bad_configurations(void **state)
     REFUSED(labels, 2);
     REFUSED(labels, PLFX_LABELS_MAX + 1);
     REFUSED(slope_min_q16, 16384);
-    REFUSED(slope_min_q16, -(8 << 16) - 1);
-    REFUSED(slope_max_q16, (8 << 16) + 1);
+    REFUSED(slope_min_q16, -(32 << 16) - 1);
+    REFUSED(slope_max_q16, (32 << 16) + 1);
     REFUSED(at[1].u_q8, 0); /* equal to the reference */
     assert_int_equal(plfx_plan_init(NULL, &c, NULL, 40, 30), PLFX_E_ARG);
     assert_int_equal(plfx_plan_init(&p, NULL, NULL, 40, 30), PLFX_E_ARG);

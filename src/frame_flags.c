@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT
+ * Why a sample of a frame is weak, beside what aggregation and refinement found. */
+#include "frame_state.h"
+#include "fix.h"
+
+/* Largest and least share of a direction among the views in use. */
+typedef struct reach {
+    int32_t low, high;
+} reach;
+
+static reach reach_of(const plfx_frame_state *s, const int32_t *share)
+{
+    reach r = {0, 0};
+    int32_t k;
+
+    for (k = 0; k < s->n; k++) {
+        if (s->arm_of[k] >= 0) {
+            r.low = plfx_min_i32(r.low, share[k]);
+            r.high = plfx_max_i32(r.high, share[k]);
+        }
+    }
+    return r;
+}
+
+/* Does a window around x, displaced by e in some view, leave 0 .. n-1? */
+static int32_t leaves(int32_t x, int32_t r, int32_t n, int64_t e_q16, reach share)
+{
+    int64_t a = e_q16 * share.low;
+    int64_t b = e_q16 * share.high;
+    int64_t least = plfx_asr_i64(a < b ? a : b, 32);
+    int64_t most = -plfx_asr_i64(-(a < b ? b : a), 32);
+
+    return x - r + least < 0 || x + r + most > n - 1;
+}
+
+static int32_t apart(const plfx_frame_state *s, size_t at)
+{
+    int32_t d = s->axis_label[0][at] - s->axis_label[1][at];
+
+    return d > 1 || d < -1;
+}
+
+/* Sum of |differences| over the window against the threshold: counts of 12 bits. */
+static int32_t flat(const plfx_frame_state *s, int32_t x, int32_t y)
+{
+    int32_t w = s->plan->cfg.window;
+    int32_t up = 12 - s->plan->cfg.bits;
+    int32_t sum = 0;
+    int32_t i;
+    int32_t j;
+
+    for (j = y - w / 2; j <= y + w / 2; j++) {
+        const uint16_t *a =
+            plfx_frame_row(s, s->plan->cfg.ref, plfx_clamp_i32(j, 0, s->ny - 1));
+        const uint16_t *b =
+            plfx_frame_row(s, s->plan->cfg.ref, plfx_clamp_i32(j - 1, 0, s->ny - 1));
+        for (i = x - w / 2; i <= x + w / 2; i++) {
+            int32_t k = plfx_clamp_i32(i, 0, s->nx - 1);
+            int32_t dx = a[k] - a[k - 1];
+            int32_t dy = a[k] - b[k];
+            sum += (dx < 0 ? -dx : dx) + (dy < 0 ? -dy : dy);
+        }
+    }
+    return 16 * (int64_t)sum < (((int64_t)s->plan->cfg.texture * w * w) << up);
+}
+
+void plfx_frame_flags(const plfx_frame_state *s, const plfx_views *views, int32_t y)
+{
+    const plfx_cfg *c = &s->plan->cfg;
+    const uint16_t *raw =
+        views->px + ((size_t)y * (size_t)s->n + c->ref) * (size_t)s->nx;
+    reach rx = reach_of(s, s->bx_q16);
+    reach ry = reach_of(s, s->by_q16);
+    int32_t r = c->window / 2;
+    int32_t x;
+
+    for (x = 0; x < s->nx; x++) {
+        size_t at = (size_t)y * (size_t)s->nx + (size_t)x;
+        uint32_t f = s->flags[at];
+        int64_t e = s->e_a[at];
+        if (leaves(x, r, s->nx, e, rx) || leaves(y, r, s->ny, e, ry)) {
+            f |= PLFX_FLAG_EDGE;
+        }
+        f |= raw[x] >= (1u << c->bits) - 1u ? PLFX_FLAG_SATURATED : 0u;
+        f |= s->conf[at] < c->unique_u16 ? PLFX_FLAG_UNIQUE : 0u;
+        f |= s->cfg.axes && apart(s, at) ? PLFX_FLAG_OCCLUDED : 0u;
+        f |= c->texture && flat(s, x, y) ? PLFX_FLAG_TEXTURE : 0u;
+        s->flags[at] = (uint8_t)f;
+    }
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT
+ * Winner, runner-up and equiangular fit of a row of aggregated costs. */
+#include "frame_state.h"
+#include "fix.h"
+
+#define CHUNK 64 /* pixels whose running least is held at once */
+
+typedef struct chunk {
+    int16_t best[CHUNK], label[CHUNK], second[CHUNK];
+} chunk;
+
+static void find_best(const int16_t *sum, int32_t labels, int32_t step, chunk *c)
+{
+    int32_t l;
+    int32_t i;
+
+    for (i = 0; i < CHUNK; i++) {
+        c->best[i] = INT16_MAX;
+        c->label[i] = 0;
+    }
+    for (l = 0; l < labels; l++) {
+        const int16_t *row = sum + (size_t)l * (size_t)step;
+        int16_t now = (int16_t)l;
+        for (i = 0; i < CHUNK; i++) {
+            int16_t v = row[i];
+            int16_t k = c->label[i];
+            c->label[i] = v < c->best[i] ? now : k;
+            c->best[i] = v < c->best[i] ? v : c->best[i];
+        }
+    }
+}
+
+/* Least over the labels at least two away from the winner. */
+static void find_second(const int16_t *sum, int32_t labels, int32_t step, chunk *c)
+{
+    int32_t l;
+    int32_t i;
+
+    for (i = 0; i < CHUNK; i++) {
+        c->second[i] = INT16_MAX;
+    }
+    for (l = 0; l < labels; l++) {
+        const int16_t *row = sum + (size_t)l * (size_t)step;
+        for (i = 0; i < CHUNK; i++) {
+            int16_t away = (int16_t)(l - c->label[i]);
+            int16_t v = row[i];
+            int16_t near = (int16_t) - (away >= -1 && away <= 1);
+            v = (int16_t)(v | (near & INT16_MAX));
+            c->second[i] = v < c->second[i] ? v : c->second[i];
+        }
+    }
+}
+
+/* Equiangular fit: (a - c)/(2(max(a,c) - b)), sixteenths of a label, half away from 0.
+ */
+static int32_t vee_q4(int32_t a, int32_t b, int32_t c)
+{
+    int32_t rise = plfx_max_i32(a, c) - b;
+
+    if (rise <= 0) {
+        return 0;
+    }
+    return plfx_clamp_i32((int32_t)plfx_div_round_i64(8 * (a - c), rise), -8, 8);
+}
+
+static void store(const plfx_frame_state *s, const int16_t *sum, size_t at,
+                  int32_t label, int32_t best, int32_t second)
+{
+    int32_t end = label == 0 || label == s->labels - 1;
+    int32_t q4 = 16 * label;
+    int32_t floor_cost = 8 * plfx_max_i32(s->cfg.paths, 1);
+
+    if (!end) {
+        q4 += vee_q4(sum[-s->nx], best, sum[s->nx]);
+    }
+    s->e_a[at] = plfx_frame_e_of(s, plfx_plan_slope_q16(s->plan, q4));
+    s->conf[at] = (uint16_t)((uint32_t)(second - best) * 65535u /
+                             (uint32_t)(second + floor_cost));
+    s->flags[at] = end ? PLFX_FLAG_RANGE_END : 0;
+}
+
+size_t plfx_winner_scratch(void)
+{
+    return sizeof(chunk);
+}
+
+void plfx_winner_row(const plfx_frame_state *s, int32_t y, const int16_t *sum,
+                     void *work)
+{
+    chunk *c = work;
+    int32_t x;
+    int32_t i;
+
+    for (x = 0; x < s->nx; x += CHUNK) {
+        int32_t n = plfx_min_i32(CHUNK, s->nx - x);
+        /* The last chunk reads into the next label's row, or the spare after the last.
+         */
+        find_best(sum + x, s->labels, s->nx, c);
+        find_second(sum + x, s->labels, s->nx, c);
+        for (i = 0; i < n; i++) {
+            store(s, sum + (size_t)c->label[i] * (size_t)s->nx + x + i,
+                  (size_t)y * (size_t)s->nx + (size_t)(x + i), c->label[i], c->best[i],
+                  c->second[i]);
+        }
+    }
+}
