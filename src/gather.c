@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "gather.h"
 #include "fix.h"
+#include "mend.h"
 
 /* Pixels under one lens: offsets of +-128 px and two taps. */
 #define SEGMENT_MAX 260
@@ -265,7 +266,6 @@ void plfx_gather_close(plfx_gather *g, int32_t j)
     int32_t nx = g->lut->lattice.nx;
     curve c = curve_of(g);
     int32_t k;
-    int32_t i;
 
     if (g->ordered) {
         plfx_gather_place(g, j);
@@ -280,8 +280,6 @@ void plfx_gather_close(plfx_gather *g, int32_t j)
         } else {
             tone_row(c, row, nx);
         }
-        for (i = 0; g->lut->flag.length > 0 && i < nx; i++) {
-            row[i] = missing(g, i, j) ? 0 : row[i];
-        }
+        plfx_mend_row(g->lut, j, row);
     }
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "plenofix/view.h"
 #include "fix.h"
+#include "mend.h"
 
 typedef struct sampler { /* what is the same for every lens of a call */
     const plfx_lut *lut;
@@ -120,11 +121,12 @@ static void fill_row(const sampler *s, int32_t j, int32_t nx, uint16_t *row)
 
     for (i = 0; i < nx; i++) { /* row[i] holds the gain until it is replaced */
         if (plfx_lut_flags(s->lut, i, j) & PLFX_LENS_MISSING) {
-            row[i] = 0;
+            row[i] = 0; /* mended below */
         } else {
             row[i] = toned(s, sample_u16(s, plfx_lut_centre(s->lut, i, j)), row[i]);
         }
     }
+    plfx_mend_row(s->lut, j, row);
 }
 
 static plfx_status gains(const plfx_lut *lut, plfx_offset at, int32_t white, int32_t j,

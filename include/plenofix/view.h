@@ -46,9 +46,10 @@ plfx_tone plfx_tone_unity(int32_t bits);
 plfx_point plfx_view_offset(const plfx_lut *lut, plfx_offset at);
 
 /* Fill lens rows j0 .. j1-1 of view k of `out` (out->nx, ny as in the table).  Samples
- * off the sensor take the nearest edge pixel; lenses flagged MISSING give 0.
- *   white: use the table's GAIN section (no effect when it has none)
- * The raw frame must have the table's size.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE. */
+ * off the sensor take the nearest edge pixel; lenses flagged MISSING take the
+ * mean of the nearest measured lenses to their left and right (one, or 0, where there
+ * is no other). white: use the table's GAIN section (no effect when it has none) The
+ * raw frame must have the table's size.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE. */
 plfx_status plfx_view_rows(const plfx_lut *lut, const plfx_raw *raw,
                            const plfx_tone *tone, plfx_offset at, int32_t white,
                            int32_t j0, int32_t j1, const plfx_views *out,

@@ -108,8 +108,26 @@ static ushort toned(__constant int32_t *P, uint32_t v, uint32_t gain)
     return (ushort)(v >= (uint32_t)P[CL_CLIPPED] || out > top ? top : (uint32_t)out);
 }
 
+static uint32_t lens_sample(__constant int32_t *P, __global const ushort *frame,
+                            __global const int2 *centre, int2 offset,
+                            __global const ushort *gain, size_t lens, size_t at)
+{
+    uint32_t g = P[CL_WHITE] ? gain[at] : 8192u;
+
+    return toned(P, sample_raw(P, frame, centre[lens] + offset), g);
+}
+
+/* Nearest lens with light from i on in a direction; -1 or nx when there is none. */
+static int32_t lit(__constant int32_t *P, __global const uchar *missing, int32_t i,
+                   int32_t direction)
+{
+    for (i += direction; i >= 0 && i < P[CL_NX] && missing[i]; i += direction) {
+    }
+    return i;
+}
+
 /* Global size (nx, ny, views).  centre q16, offset of each view q16; missing[lens] set:
- * no light. */
+ * no light, mean of the nearest lit lenses of the row. */
 __kernel void extract(__constant int32_t *P, __global const ushort *frame,
                       __global const int2 *centre, __global const int2 *offset,
                       __global const uchar *missing, __global const ushort *gain,
@@ -118,20 +136,24 @@ __kernel void extract(__constant int32_t *P, __global const ushort *frame,
     int32_t i = (int32_t)get_global_id(0);
     int32_t j = (int32_t)get_global_id(1);
     int32_t k = (int32_t)get_global_id(2);
-    size_t lens;
-    size_t out;
+    size_t row = (size_t)j * (size_t)P[CL_NX];
+    size_t out = ((size_t)j * (size_t)P[CL_VIEWS] + (size_t)k) * (size_t)P[CL_NX];
+    uint32_t sum = 0;
+    uint32_t count = 0;
+    int32_t n;
 
     if (i >= P[CL_NX] || j >= P[CL_NY]) {
         return;
     }
-    lens = (size_t)j * (size_t)P[CL_NX] + (size_t)i;
-    out = ((size_t)j * (size_t)P[CL_VIEWS] + (size_t)k) * (size_t)P[CL_NX] + (size_t)i;
-    if (missing[lens]) {
-        views[out] = 0;
-    } else {
-        uint32_t g = P[CL_WHITE] ? gain[out] : 8192u;
-        views[out] = toned(P, sample_raw(P, frame, centre[lens] + offset[k]), g);
+    for (n = -1; n <= 1; n += 2) { /* left and right; the lens itself when it is lit */
+        int32_t from = missing[row + (size_t)i] ? lit(P, missing + row, i, n) : i;
+        if (from >= 0 && from < P[CL_NX]) {
+            sum += lens_sample(P, frame, centre, offset[k], gain, row + (size_t)from,
+                               out + (size_t)from);
+            count++;
+        }
     }
+    views[out + (size_t)i] = (ushort)(count == 2 ? (sum + 1u) >> 1 : sum);
 }
 
 /* ---- views at a label --------------------------------------------------------- */

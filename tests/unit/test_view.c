@@ -185,8 +185,10 @@ static void clipped_stays_clipped(void **state)
     assert_int_equal(samples[9], 1023);
 }
 
-static void missing_lens_is_zero(void **state)
+/* Holes of one and two lenses, at both ends of a row, and a row without light. */
+static void missing_lens_takes_its_neighbours(void **state)
 {
+    static const uint8_t hole[NX] = {1, 0, 1, 1, 0, 0, 0, 1};
     plfx_lut lut;
     plfx_raw raw = raw_of(12);
     plfx_views v = {samples, NX, NY, 1};
@@ -194,15 +196,23 @@ static void missing_lens_is_zero(void **state)
     plfx_offset at = {0, 0};
 
     (void)state;
-    lens_flags[3] = PLFX_LENS_MISSING;
+    for (int i = 0; i < 2 * NX; i++) {
+        lens_flags[i] = i >= NX || hole[i] ? PLFX_LENS_MISSING : 0;
+    }
     lut = open_table(12, 0, 0);
-    lens_flags[3] = 0;
+    memset(lens_flags, 0, sizeof lens_flags);
     for (size_t i = 0; i < W * H; i++) {
-        frame[i] = 100;
+        frame[i] = (uint16_t)(100 + i % W);
     }
     assert_int_equal(plfx_view_all(&lut, &raw, &tone, &at, 0, &v), PLFX_OK);
-    assert_int_equal(samples[3], 0);
-    assert_int_equal(samples[4], 100);
+    assert_int_equal(samples[0], samples[1]);
+    assert_int_equal(samples[2], (samples[1] + samples[4] + 1) / 2);
+    assert_int_equal(samples[3], samples[2]);
+    assert_true(samples[1] > 0 && samples[4] > samples[1]);
+    assert_int_equal(samples[7], samples[6]);
+    for (int i = 0; i < NX; i++) {
+        assert_int_equal(samples[NX + i], 0);
+    }
 }
 
 /* Every storage format gives the same samples. */
@@ -309,9 +319,12 @@ static void bad_arguments(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(constant_stays_constant), cmocka_unit_test(against_double),
-    cmocka_unit_test(tone_and_gain),           cmocka_unit_test(clipped_stays_clipped),
-    cmocka_unit_test(missing_lens_is_zero),    cmocka_unit_test(formats_agree),
+    cmocka_unit_test(constant_stays_constant),
+    cmocka_unit_test(against_double),
+    cmocka_unit_test(tone_and_gain),
+    cmocka_unit_test(clipped_stays_clipped),
+    cmocka_unit_test(missing_lens_takes_its_neighbours),
+    cmocka_unit_test(formats_agree),
     cmocka_unit_test(bad_arguments),
 };
 
