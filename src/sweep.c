@@ -163,66 +163,87 @@ static plfx_status check(const plfx_plan *plan, const plfx_views *v,
     return PLFX_OK;
 }
 
-static void sweep_zncc(const plfx_plan *plan, const plfx_views *views,
+/* Map rows y0 .. y1-1, all of which hold a window. */
+typedef struct band {
+    int32_t y0, y1;
+} band;
+
+static void sweep_zncc(const plfx_plan *plan, const plfx_views *views, band b,
                        const plfx_map *out, plfx_arena *a)
 {
     plfx_sweep_state s;
     int32_t w = plan->cfg.window;
+    int32_t r = w / 2;
     int32_t y;
 
     carve(&s, plan, a);
     s.views = views;
     fill_spans(&s);
     clear(&s);
-    for (y = 0; y < plan->ny; y++) {
+    for (y = b.y0 - r; y < b.y1 + r; y++) {
         columns(&s, y, 1);
-        if (y >= w) {
+        if (y >= b.y0 - r + w) {
             columns(&s, y - w, -1);
         }
-        if (y >= w - 1) {
-            target_row(&s, out, y - w / 2);
+        if (y >= b.y0 + r) {
+            target_row(&s, out, y - r);
         }
     }
 }
 
-static void sweep_sad(const plfx_plan *plan, const plfx_views *views,
+static void sweep_sad(const plfx_plan *plan, const plfx_views *views, band b,
                       const plfx_map *out, plfx_arena *a)
 {
     plfx_rows src = {views->px, plan->ny, NULL, 1, 0};
     plfx_engine e;
-    int32_t r = plan->cfg.window / 2;
     int32_t y;
 
     plfx_engine_carve(&e, plan, PLFX_LEAVE_COSTS, a);
-    plfx_match_start(&e.match, r);
-    for (y = r; y < plan->ny - r; y++) {
+    plfx_match_start(&e.match, b.y0);
+    for (y = b.y0; y < b.y1; y++) {
         plfx_map row = plfx_map_row(out, y);
         plfx_engine_row(&e, &src, y, &row);
     }
 }
 
-plfx_status plfx_sweep(const plfx_plan *plan, const plfx_views *views,
-                       const plfx_map *out, void *ws, size_t ws_size)
+plfx_status plfx_sweep_rows(const plfx_plan *plan, const plfx_views *views, int32_t j0,
+                            int32_t j1, const plfx_map *out, void *ws, size_t ws_size)
 {
     plfx_status status = check(plan, views, out, ws, ws_size);
-    plfx_arena a;
+    int32_t r;
     int32_t y;
+    plfx_arena a;
+    band b;
 
     if (status != PLFX_OK) {
         return status;
     }
+    if (j0 < 0 || j0 > j1 || j1 > plan->ny) {
+        return PLFX_E_ARG;
+    }
     a.base = ws;
     a.used = 0;
-    if (is_zncc(plan)) {
-        sweep_zncc(plan, views, out, &a);
-    } else {
-        sweep_sad(plan, views, out, &a);
+    r = plan->cfg.window / 2;
+    b.y0 = plfx_clamp_i32(j0, r, plan->ny - r);
+    b.y1 = plfx_clamp_i32(j1, b.y0, plan->ny - r);
+    if (b.y0 < b.y1 && is_zncc(plan)) {
+        sweep_zncc(plan, views, b, out, &a);
+    } else if (b.y0 < b.y1) {
+        sweep_sad(plan, views, b, out, &a);
     }
-    for (y = 0; y < plan->cfg.window / 2; y++) {
-        plfx_map top = plfx_map_row(out, y);
-        plfx_map bottom = plfx_map_row(out, plan->ny - 1 - y);
-        plfx_map_edge(&top);
-        plfx_map_edge(&bottom);
+    for (y = j0; y < j1; y++) {
+        if (y < r || y >= plan->ny - r) {
+            plfx_map row = plfx_map_row(out, y);
+            plfx_map_edge(&row);
+        }
     }
     return PLFX_OK;
+}
+
+plfx_status plfx_sweep(const plfx_plan *plan, const plfx_views *views,
+                       const plfx_map *out, void *ws, size_t ws_size)
+{
+    int32_t ny = plan ? plan->ny : 0;
+
+    return plfx_sweep_rows(plan, views, 0, ny, out, ws, ws_size);
 }

@@ -21,6 +21,14 @@ size_t plfx_sweep_ws(const plfx_plan *plan);
 plfx_status plfx_sweep(const plfx_plan *plan, const plfx_views *views,
                        const plfx_map *out, void *ws, size_t ws_size) PLFX_MUST_USE;
 
+/* Map rows j0 .. j1-1 alone: a band for a thread of the caller's, each with a
+ * workspace of its own; `out` is the whole map.  Bands together give plfx_sweep()'s
+ * map to the bit. Each band costs window-1 further rows of columns.  Same errors;
+ * PLFX_E_ARG for rows off the map. */
+plfx_status plfx_sweep_rows(const plfx_plan *plan, const plfx_views *views, int32_t j0,
+                            int32_t j1, const plfx_map *out, void *ws,
+                            size_t ws_size) PLFX_MUST_USE;
+
 #ifdef __cplusplus
 }
 #endif

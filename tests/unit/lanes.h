@@ -37,6 +37,7 @@
 #define plfx_map_put              LANED(map_put)
 #define plfx_map_edge             LANED(map_edge)
 #define plfx_sweep_ws             LANED(sweep_ws)
+#define plfx_sweep_rows           LANED(sweep_rows)
 #define plfx_sweep                LANED(sweep)
 
 #endif

@@ -133,6 +133,45 @@ static void equals_reference(void **state)
     assert_true(run > 200); /* the rest were plans that do not fit */
 }
 
+/* Bands of any height, and rows outside a band untouched. */
+static void bands_equal_the_whole(void **state)
+{
+    (void)state;
+    for (uint32_t seed = 1; seed <= 200; seed++) {
+        ref_rng rng = {seed};
+        plfx_cfg cfg = random_cfg(&rng);
+        plfx_plan plan;
+        plfx_views v;
+        plfx_map g;
+        plfx_map w;
+        if (plfx_plan_init(&plan, &cfg, NULL, ref_range(&rng, 7, MAX_SIDE), 12) !=
+            PLFX_OK) {
+            continue;
+        }
+        v = random_views(&rng, &plan);
+        g = map_of(&got, &plan);
+        w = map_of(&want, &plan);
+        assert_int_equal(plfx_sweep(&plan, &v, &w, workspace(), WS_BYTES), PLFX_OK);
+        memset(&got, 0x5a, sizeof got);
+        for (int32_t j = 0; j < 12;) {
+            int32_t end = ref_range(&rng, j, 12);
+            assert_int_equal(
+                plfx_sweep_rows(&plan, &v, j, end, &g, workspace(), WS_BYTES), PLFX_OK);
+            for (int32_t i = end * plan.nx; i < 12 * plan.nx; i++) {
+                assert_int_equal(got.flags[i], 0x5a);
+            }
+            j = end;
+        }
+        compare(&plan, seed);
+        assert_int_equal(plfx_sweep_rows(&plan, &v, -1, 3, &g, workspace(), WS_BYTES),
+                         PLFX_E_ARG);
+        assert_int_equal(plfx_sweep_rows(&plan, &v, 4, 3, &g, workspace(), WS_BYTES),
+                         PLFX_E_ARG);
+        assert_int_equal(plfx_sweep_rows(&plan, &v, 4, 13, &g, workspace(), WS_BYTES),
+                         PLFX_E_ARG);
+    }
+}
+
 static plfx_plan pair_plan(int32_t method, int32_t cost, int32_t sign)
 {
     plfx_cfg c;
@@ -284,9 +323,10 @@ static void optional_planes(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(equals_reference),  cmocka_unit_test(shift_gives_slope),
-    cmocka_unit_test(zncc_ignores_gain), cmocka_unit_test(workspace_is_exact),
-    cmocka_unit_test(bad_arguments),     cmocka_unit_test(optional_planes),
+    cmocka_unit_test(bands_equal_the_whole), cmocka_unit_test(equals_reference),
+    cmocka_unit_test(shift_gives_slope),     cmocka_unit_test(zncc_ignores_gain),
+    cmocka_unit_test(workspace_is_exact),    cmocka_unit_test(bad_arguments),
+    cmocka_unit_test(optional_planes),
 };
 
 SUITE(tests)
