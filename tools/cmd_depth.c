@@ -11,6 +11,7 @@
 #include "common/json.h"
 #include "common/match.h"
 #include "depth_out.h"
+#include "preset.h"
 
 #define NOT_GIVEN (-1)
 
@@ -22,6 +23,8 @@ typedef struct request { /* as the command line names it */
     int axes; /* 0 uv, 1 u */
     int cost, fuse, window, json;
     double texture, unique;
+    int preset; /* plfx_preset_id, or NOT_GIVEN */
+    double noise;
 } request;
 
 typedef struct job { /* as it is run */
@@ -34,6 +37,7 @@ typedef struct job { /* as it is run */
     plft_times times;
     double lo, hi;
     int labels, found; /* found: slopes come from the scene */
+    plft_preset preset;
 } job;
 
 static int parse_slopes(const char *text, job *j)
@@ -131,6 +135,31 @@ static int settle_slopes(const request *r, job *j)
     return 0;
 }
 
+/* Slopes given with their number keep it; otherwise the preset steps finely enough. */
+static int apply_preset(const request *r, job *j)
+{
+    int labels = j->labels;
+    int rc;
+
+    if (r->preset == NOT_GIVEN) {
+        return 0;
+    }
+    j->preset.id = r->preset;
+    j->preset.noise = r->noise;
+    rc = plft_preset_cfg(&j->preset, &j->field, r->wish.radius, &j->cfg);
+    j->cfg.labels = j->found ? j->cfg.labels : (uint16_t)labels;
+    j->labels = j->cfg.labels;
+    return rc;
+}
+
+static int match(const request *r, job *j)
+{
+    if (r->preset == NOT_GIVEN) {
+        return plft_match(&j->plan, &j->field, &j->map, &j->times);
+    }
+    return plft_preset_match(&j->preset, &j->plan, &j->field, &j->map, &j->times);
+}
+
 static int prepare(request *r, job *j)
 {
     int n = 0;
@@ -149,6 +178,7 @@ static int prepare(request *r, job *j)
     j->cfg.n = (uint8_t)n;
     fill_cfg(r, j);
     rc = rc != 0 ? rc : settle_slopes(r, j);
+    rc = rc != 0 ? rc : apply_preset(r, j);
     return rc != 0 ? rc : plft_plan(&j->plan, &j->cfg, &j->field);
 }
 
@@ -165,21 +195,31 @@ static json_t *views_json(const job *j)
     return list;
 }
 
+static json_t *preset_json(const request *r)
+{
+    static const char *const names[PLFX_PRESETS] = {"stream", "onboard", "precise"};
+
+    return r->preset == NOT_GIVEN ? json_null() : json_string(names[r->preset]);
+}
+
 static json_t *config_json(const request *r, const job *j)
 {
     static const char *const methods[] = {"binocular", "plenoptic", "sweep",
                                           "gradient"};
     const plfx_cfg *c = &j->cfg;
 
-    return json_pack("{s:s,s:s,s:s,s:s,s:i,s:[f,f,i],s:b,s:o,s:f,s:f,s:f,s:f,s:i,s:f}",
-                     "method", methods[r->wish.method], "cost",
-                     c->cost == PLFX_COST_SAD ? "sad" : "zncc", "fit",
-                     c->fit == PLFX_FIT_VEE ? "vee" : "parabola", "fuse",
-                     c->fuse == PLFX_FUSE_MEDIAN ? "median" : "correlation", "window",
-                     c->window, "slopes", j->lo, j->hi, j->labels, "slopes_found",
-                     j->found, "views", views_json(j), "radius", r->wish.radius, "step",
-                     r->wish.step, "texture", r->texture, "unique", r->unique,
-                     "view_bits", j->field.bits, "tone_gain", j->field.tone_gain);
+    return json_pack(
+        "{s:o,s:i,s:f,s:s,s:s,s:s,s:s,s:i,s:[f,f,i],s:b,s:o,s:f,s:f,s:f,s:f,s:i,s:f}",
+        "preset", preset_json(r), "views_left_out", j->preset.left_out, "noise",
+        j->preset.frame.noise_q4 / 16.0, "method",
+        r->preset == NOT_GIVEN ? methods[r->wish.method] : "arms", "cost",
+        c->cost == PLFX_COST_SAD ? "sad" : "zncc", "fit",
+        c->fit == PLFX_FIT_VEE ? "vee" : "parabola", "fuse",
+        c->fuse == PLFX_FUSE_MEDIAN ? "median" : "correlation", "window", c->window,
+        "slopes", j->lo, j->hi, j->labels, "slopes_found", j->found, "views",
+        views_json(j), "radius", r->wish.radius, "step", r->wish.step, "texture",
+        r->texture, "unique", r->unique, "view_bits", j->field.bits, "tone_gain",
+        j->field.tone_gain);
 }
 
 static json_t *flags_json(const plft_depth_stats *s)
@@ -217,10 +257,24 @@ static int print_json(const request *r, const job *j)
     return rc;
 }
 
+#define END_SHARE 0.1 /* of the samples at the ends of the range: it is too narrow */
+
+static void warn_of_range(const job *j)
+{
+    const plft_depth_stats *s = &j->stats;
+
+    if ((double)s->flags[5] > END_SHARE * (double)s->lenses) {
+        plft_warn("%.0f %% of the samples lie at the ends of the slopes %g:%g; widen "
+                  "--slopes",
+                  100.0 * (double)s->flags[5] / (double)s->lenses, j->lo, j->hi);
+    }
+}
+
 static int report(const request *r, const job *j)
 {
     const plft_depth_stats *s = &j->stats;
 
+    warn_of_range(j);
     if (r->json) {
         return print_json(r, j);
     }
@@ -240,7 +294,7 @@ static int run(const request *r, job *j)
     double t0;
     int rc = plft_slopes_alloc(&j->map, j->field.nx, j->field.ny);
 
-    rc = rc != 0 ? rc : plft_match(&j->plan, &j->field, &j->map, &j->times);
+    rc = rc != 0 ? rc : match(r, j);
     if (rc != 0) {
         return rc;
     }
@@ -270,6 +324,10 @@ int plft_cmd_depth(int argc, char **argv)
     const plft_option own[] = {
         {"-o", PLFT_TEXT, &r.paths.slope, "OUT.pfm", 0, 0, "the map"},
         {"--method", PLFT_WORD, &r.wish.method, PLFT_METHODS, 0, 0, "how; plenoptic"},
+        {"--preset", PLFT_WORD, &r.preset, PLFT_PRESET_NAMES, 0, 0,
+         "settings instead of a method; docs tell what each is for"},
+        {"--noise", PLFT_REAL, &r.noise, "S", 0, 16,
+         "of a view, grey levels of 255, with --preset; measured"},
         {"--cost", PLFT_WORD, &r.cost, "sad|zncc", 0, 0,
          "of a window; zncc, sweep: sad"},
         {"--fuse", PLFT_WORD, &r.fuse, "median|correlation", 0, 0,
@@ -312,6 +370,8 @@ int plft_cmd_depth(int argc, char **argv)
     memset(&j, 0, sizeof j);
     r.wish.method = PLFT_PLENOPTIC;
     r.cost = NOT_GIVEN;
+    r.preset = NOT_GIVEN;
+    r.noise = NOT_GIVEN;
     r.window = 9;
     r.texture = 2.0;
     rc = plft_args(argc, argv, &usage, options, operand, 1, &n, &helped);
