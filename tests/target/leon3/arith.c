@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * 64-bit division for a 32-bit machine: those of the compiler are built for a later
+ * 64-bit arithmetic for a 32-bit machine: that of the compiler is built for a later
  * SPARC.  Bit by bit; names are those that the compiler calls. */
 #include <stdint.h>
 
@@ -7,6 +7,7 @@ uint64_t __udivdi3(uint64_t n, uint64_t d);
 uint64_t __umoddi3(uint64_t n, uint64_t d);
 int64_t __divdi3(int64_t n, int64_t d);
 int64_t __moddi3(int64_t n, int64_t d);
+int __clzdi2(uint64_t v);
 
 static uint64_t divide(uint64_t n, uint64_t d, uint64_t *rest)
 {
@@ -60,4 +61,13 @@ int64_t __moddi3(int64_t n, int64_t d)
 
     (void)divide(magnitude(n), magnitude(d), &rest);
     return (int64_t)(n < 0 ? 0u - rest : rest);
+}
+
+int __clzdi2(uint64_t v)
+{
+    int n = 0;
+
+    for (; n < 63 && (v >> (63 - n)) == 0u; n++) {
+    }
+    return n;
 }
