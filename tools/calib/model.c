@@ -8,7 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define K PLFT_TERMS
+#define K      PLFT_TERMS
+#define WHOLE  0.85f /* part of the disc that a whole micro-image shows */
+#define ENOUGH 60    /* whole ones that do without the others */
 #define ODD_MIN                                                                        \
     0.015 /* px: a smaller shift of odd rows may be the pixel grid's doing */
 
@@ -80,9 +82,23 @@ void plft_model_from_lattice(plft_model *m, const plft_lattice *l, double scale)
     m->cy[2] = l->b.y * scale;
 }
 
-static int takes_part(const plft_spot *s)
+static int takes_part(const plft_model *m, const plft_spot *s)
 {
-    return (s->flags & (PLFX_LENS_MISSING | PLFX_LENS_INTERP)) == 0u;
+    return (s->flags & (PLFX_LENS_MISSING | PLFX_LENS_INTERP)) == 0u &&
+           s->seen >= m->whole;
+}
+
+/* Micro-images cut by the border of the sensor do not shape the model when there are
+ * enough whole ones. */
+static void ask_for_whole(plft_model *m, const plft_field *f)
+{
+    int k, n = 0;
+
+    m->whole = WHOLE;
+    for (k = 0; k < f->nx * f->ny; k++) {
+        n += takes_part(m, &f->spot[k]);
+    }
+    m->whole = n >= ENOUGH ? WHOLE : 0.0f;
 }
 
 /* Normalise columns and rows to -1 .. 1 over the spots that take part. */
@@ -92,7 +108,7 @@ static int normalise(plft_model *m, const plft_field *f)
 
     for (j = 0; j < f->ny; j++) {
         for (i = 0; i < f->nx; i++) {
-            if (takes_part(&f->spot[j * f->nx + i])) {
+            if (takes_part(m, &f->spot[j * f->nx + i])) {
                 i0 = i < i0 ? i : i0;
                 i1 = i > i1 ? i : i1;
                 j0 = j < j0 ? j : j0;
@@ -120,7 +136,7 @@ static void accumulate(const plft_model *m, const plft_field *f, double tau, sum
         for (i = 0; i < f->nx; i++) {
             const plft_spot *spot = &f->spot[j * f->nx + i];
             double t[K], w;
-            if (!takes_part(spot)) {
+            if (!takes_part(m, spot)) {
                 continue;
             }
             terms(m, f->i0 + i, f->j0 + j, t);
@@ -192,7 +208,7 @@ static double chi_square(const plft_model *m, const plft_field *f, double tau,
             const plft_spot *s = &f->spot[j * f->nx + i];
             plft_vec p;
             double r2;
-            if (!takes_part(s)) {
+            if (!takes_part(m, s)) {
                 continue;
             }
             p = plft_model_at(m, f->i0 + i, f->j0 + j);
@@ -267,7 +283,7 @@ static int flag_outliers(const plft_model *m, const plft_field *f, double cut)
     for (k = 0; k < n; k++) {
         const plft_spot *s = &f->spot[k];
         plft_vec p = plft_model_at(m, f->i0 + k % f->nx, f->j0 + k / f->nx);
-        if (takes_part(s)) {
+        if (takes_part(m, s)) {
             d[count++] = hypot(s->x - p.x, s->y - p.y);
         }
     }
@@ -313,6 +329,7 @@ int plft_model_fit(plft_model *m, const plft_field *f, int order, double cut)
     int round;
 
     m->kind = f->kind;
+    ask_for_whole(m, f);
     for (round = 0; round < 5; round++) {
         int changed;
         if (normalise(m, f) != 0) {

@@ -20,10 +20,11 @@ typedef struct plft_model {
     double ic, jc, scale; /* s = (i + half - ic)/scale, t = (j - jc)/scale */
     double cx[PLFT_TERMS], cy[PLFT_TERMS];
     double cov[PLFT_TERMS * PLFT_TERMS]; /* of a coordinate's coefficients, px^2 */
-    int lenses;                          /* that took part */
-    double rms;                          /* of their residuals, per axis, px */
-    double tau; /* what of it the spots' own noise does not explain, px */
-    double chi; /* residual over expected sigma, rms */
+    float whole; /* least part seen of a spot that may take part */
+    int lenses;  /* that took part */
+    double rms;  /* of their residuals, per axis, px */
+    double tau;  /* what of it the spots' own noise does not explain, px */
+    double chi;  /* residual over expected sigma, rms */
 } plft_model;
 
 plft_vec plft_model_at(const plft_model *model, int i, int j);
