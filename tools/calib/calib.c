@@ -13,13 +13,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FIRST     4    /* half width of the first region, lenses */
-#define GROW      1.5  /* a region against the one before */
-#define ENOUGH    5000 /* lenses make a mean micro-image */
-#define DISC      0.5  /* registration disc radius, pitches */
-#define MATCH_MIN 0.25 /* worst correlation of a lens that counts */
-#define CUT       4.5  /* robust deviations of an outlier */
-#define PART      3000 /* lenses, about, that are registered while the shape settles */
+#define FIRST     4     /* half width of the first region, lenses */
+#define GROW      1.5   /* a region against the one before */
+#define ENOUGH    5000  /* lenses make a mean micro-image */
+#define DISC      0.5   /* registration disc radius, pitches */
+#define MATCH_MIN 0.25  /* worst correlation of a lens that counts */
+#define CUT       4.5   /* robust deviations of an outlier */
+#define STIFF     0.006 /* residual, pitches, over which a region grows on steps alone */
+#define PART      3000  /* lenses, about, that are registered while the shape settles */
 #define ROUNDS    12
 #define FINE      24.0 /* pitch up to which the micro-image gets two nodes a pixel */
 
@@ -256,9 +257,13 @@ static int grow(work *w)
         }
     }
     for (half = FIRST * GROW; !whole(&c->field, b); half *= GROW) {
+        const int order = c->model.rms > STIFF * c->pitch ? 1 : 3;
+        if (order == 1 && half < 100.0 && reshape(w, b, 1) != 0) {
+            return -1;
+        }
         b = block_around(&c->field, (int)half);
         measure(w, b, half > 40.0 ? 3 : 1, reach);
-        if (plft_model_fit(&c->model, &c->field, 3, CUT) != 0) {
+        if (plft_model_fit(&c->model, &c->field, order, CUT) != 0) {
             return fail(c, "no lens lattice: it is lost away from the middle");
         }
     }
