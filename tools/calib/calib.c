@@ -19,7 +19,7 @@
 #define DISC      0.5   /* registration disc radius, pitches */
 #define MATCH_MIN 0.25  /* worst correlation of a lens that counts */
 #define CUT       4.5   /* robust deviations of an outlier */
-#define STIFF     0.006 /* residual, pitches, over which a region grows on steps alone */
+#define STIFF     0.006 /* residual, pitches: over it a region grows on steps alone */
 #define PART      3000  /* lenses, about, that are registered while the shape settles */
 #define ROUNDS    12
 #define FINE      24.0 /* pitch up to which the micro-image gets two nodes a pixel */
