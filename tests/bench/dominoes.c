@@ -10,9 +10,10 @@
 #include "common/csv.h"
 #include "common/err.h"
 #include "common/frame.h"
+#include "common/field.h"
 #include "common/json.h"
+#include "common/match.h"
 #include "common/memory.h"
-#include "common/out.h"
 #include "common/pfm.h"
 #include "plenofix/plenofix.h"
 
@@ -27,12 +28,9 @@
 
 typedef struct bench {
     json_t *scene;
-    unsigned char *blob;
-    plfx_lut lut;
-    plft_frame raw;
+    plft_field field; /* the frame, dark subtracted, white divided out */
     plft_frame ids;
     plft_map truth, depth;
-    uint16_t black_u16;
     plfx_optics optics;
     uint8_t *inner; /* [ny][nx] id of the face that a lens lies well inside; else 0 */
     int face[FACES_MAX], faces;
@@ -100,42 +98,27 @@ static int path_of(char *path, size_t size, const char *dir, const char *file)
                                       : 0;
 }
 
-static int load_table(bench *b, const char *path)
+static int load_frames(bench *b, const char *dir, const char *table)
 {
-    size_t n;
+    static const char *const files[3] = {"scene.png", "white.png", "dark.png"};
+    char path[4][4096];
+    plft_source source;
+    int k;
 
-    if (plft_in_bytes(path, &b->blob, &n)) {
-        return PLFT_DATA;
+    for (k = 0; k < 3; k++) {
+        if (path_of(path[k], sizeof path[k], dir, files[k])) {
+            return PLFT_DATA;
+        }
     }
-    if (plfx_lut_open(&b->lut, b->blob, n) != PLFX_OK) {
-        return plft_fail(PLFT_DATA, "%s: not a table", path);
-    }
-    return 0;
-}
-
-static int load_frames(bench *b, const char *dir)
-{
-    char path[4096];
-    plft_frame dark;
-    double sum = 0.0;
-    size_t n, k;
-    int bits = b->lut.sensor_bits;
-
-    if (path_of(path, sizeof path, dir, "scene.png") ||
-        plft_frame_read(&b->raw, path, bits) ||
-        path_of(path, sizeof path, dir, "objects.png") ||
-        plft_frame_read(&b->ids, path, 8) ||
-        path_of(path, sizeof path, dir, "dark.png") ||
-        plft_frame_read(&dark, path, bits)) {
-        return PLFT_DATA;
-    }
-    n = (size_t)dark.w * (size_t)dark.h;
-    for (k = 0; k < n; k++) {
-        sum += dark.px[k];
-    }
-    b->black_u16 = (uint16_t)lround(sum / (double)n * (double)(1 << (16 - bits)));
-    plft_frame_free(&dark);
-    return 0;
+    memset(&source, 0, sizeof source);
+    source.raw = path[0];
+    source.white = path[1];
+    source.dark = path[2];
+    source.lut = table;
+    source.bits = 12;
+    return plft_field_open(&b->field, &source) ||
+           path_of(path[3], sizeof path[3], dir, "objects.png") ||
+           plft_frame_read(&b->ids, path[3], 8);
 }
 
 static int load_truth(bench *b, const char *dir)
@@ -160,10 +143,9 @@ static int load_truth(bench *b, const char *dir)
     json_decref(resolved);
     b->optics.inv0_q24 = (int32_t)lround(inv0 * 16777216.0);
     b->optics.gain_q24 = llround(gain * 16777216.0);
-    if (b->truth.w != b->lut.lattice.nx || b->truth.h != b->lut.lattice.ny) {
+    if (b->truth.w != b->field.nx || b->truth.h != b->field.ny) {
         return plft_fail(PLFT_DATA, "the table has %dx%d lenses, the scene %dx%d",
-                         (int)b->lut.lattice.nx, (int)b->lut.lattice.ny, b->truth.w,
-                         b->truth.h);
+                         b->field.nx, b->field.ny, b->truth.w, b->truth.h);
     }
     return 0;
 }
@@ -274,54 +256,12 @@ static int find_faces(bench *b)
 
 /* ---- measurement ---- */
 
-static int extract(const bench *b, const plfx_cfg *cfg, plfx_views *views)
-{
-    plfx_tone tone = plfx_tone_unity(cfg->bits);
-    plfx_raw raw;
-
-    views->nx = b->lut.lattice.nx;
-    views->ny = b->lut.lattice.ny;
-    views->n = cfg->n;
-    views->px = plft_alloc((size_t)views->nx * (size_t)views->ny * cfg->n, 2);
-    if (views->px == NULL) {
-        return PLFT_DATA;
-    }
-    raw.bytes = (const uint8_t *)b->raw.px;
-    raw.size = 2 * (size_t)b->raw.w * (size_t)b->raw.h;
-    raw.format = PLFX_RAW_U16;
-    raw.bits = (uint8_t)b->lut.sensor_bits;
-    raw.w = b->raw.w;
-    raw.h = b->raw.h;
-    tone.black_u16 = b->black_u16;
-    return plfx_view_all(&b->lut, &raw, &tone, cfg->at, 1, views) == PLFX_OK
-               ? 0
-               : plft_fail(PLFT_DATA, "views: refused");
-}
-
-static int match(const plfx_plan *plan, const plfx_views *views, const plfx_map *map)
-{
-    int gradient = plan->cfg.method == PLFX_METHOD_GRADIENT;
-    size_t size = gradient ? plfx_gradient_ws(plan) : plfx_sweep_ws(plan);
-    void *ws = plft_alloc_ws(size);
-    plfx_status status;
-
-    if (ws == NULL) {
-        return PLFT_DATA;
-    }
-    status = gradient ? plfx_gradient(plan, views, map, ws, size)
-                      : plfx_sweep(plan, views, map, ws, size);
-    free(ws);
-    return status == PLFX_OK ? 0
-                             : plft_fail(PLFT_DATA, "match: status %d", (int)status);
-}
-
 static int measure(const bench *b, const plfx_cfg *cfg, result *out)
 {
     size_t n = (size_t)b->truth.w * (size_t)b->truth.h;
+    plft_times times = {0.0, 0.0, 0.0, 0.0};
     plfx_plan plan;
-    plfx_views views;
     plfx_map map;
-    int rc;
 
     memset(&map, 0, sizeof map);
     out->slope = map.slope_q16 = plft_alloc(n, sizeof *map.slope_q16);
@@ -331,13 +271,8 @@ static int measure(const bench *b, const plfx_cfg *cfg, result *out)
     if (out->slope == NULL || out->conf == NULL) {
         return PLFT_DATA;
     }
-    if (plfx_plan_init(&plan, cfg, &b->lut, b->truth.w, b->truth.h) != PLFX_OK) {
-        return plft_fail(PLFT_DATA, "plan: refused");
-    }
-    rc = extract(b, cfg, &views);
-    rc = rc ? rc : match(&plan, &views, &map);
-    free(views.px);
-    return rc;
+    return plft_plan(&plan, cfg, &b->field) ||
+           plft_match(&plan, &b->field, &map, &times);
 }
 
 static void drop(result *r)
@@ -491,8 +426,8 @@ static int judge_table(bench *b, const char *dir)
     }
     for (k = 0; k < csv.rows; k++) {
         const double *row = csv.v + 4 * k;
-        plfx_point p = plfx_lut_centre(&b->lut, (int32_t)row[1], (int32_t)row[0]);
-        uint32_t flags = plfx_lut_flags(&b->lut, (int32_t)row[1], (int32_t)row[0]);
+        plfx_point p = plfx_lut_centre(b->field.lut, (int32_t)row[1], (int32_t)row[0]);
+        uint32_t flags = plfx_lut_flags(b->field.lut, (int32_t)row[1], (int32_t)row[0]);
         double dx = p.x_q16 / 65536.0 - row[2];
         double dy = p.y_q16 / 65536.0 - row[3];
         lost += (flags & (PLFX_LENS_MISSING | PLFX_LENS_INTERP)) != 0;
@@ -640,11 +575,11 @@ static int run(bench *b, char **argv)
     double *e;
     int rc;
 
-    if (plft_json_read(&b->scene, argv[1]) || load_table(b, argv[3]) ||
-        load_frames(b, argv[2]) || load_truth(b, argv[2]) || find_faces(b)) {
+    if (plft_json_read(&b->scene, argv[1]) || load_frames(b, argv[2], argv[3]) ||
+        load_truth(b, argv[2]) || find_faces(b)) {
         return PLFT_DATA;
     }
-    b->u = b->lut.radius_q8 / 256.0;
+    b->u = b->field.radius;
     printf("%s: %dx%d lenses, %d faces, u = %.2f px\n", argv[1], b->truth.w, b->truth.h,
            b->faces, b->u);
     e = plft_alloc((size_t)b->truth.w * (size_t)b->truth.h, sizeof *e);
@@ -668,9 +603,8 @@ int main(int argc, char **argv)
     memset(&b, 0, sizeof b);
     rc = run(&b, argv);
     json_decref(b.scene);
-    free(b.blob);
     free(b.inner);
-    plft_frame_free(&b.raw);
+    plft_field_free(&b.field);
     plft_frame_free(&b.ids);
     plft_map_free(&b.truth);
     plft_map_free(&b.depth);
