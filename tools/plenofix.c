@@ -24,6 +24,7 @@ static const entry commands[] = {
     {"refocus", plft_cmd_refocus, "a picture focused after it was taken"},
     {"evaluate", plft_cmd_evaluate, "a depth map against its truth"},
     {"simulate", plft_cmd_simulate, "frames of an imagined camera, with their truth"},
+    {"bench", plft_cmd_bench, "time and memory of the core on this machine"},
     {"devices", plft_cmd_devices, "what depth --device can name"},
     {"help", plft_cmd_help, "this text, or that of a command: help COMMAND"},
 };
