@@ -70,7 +70,7 @@ static int check_request(const request *r, job *j)
     if (r->paths.slope == NULL) {
         return plft_fail(PLFT_USAGE, "want -o OUT.pfm");
     }
-    if (r->window % 2 == 0) {
+    if (r->window != 0 && r->window % 2 == 0) {
         return plft_fail(PLFT_USAGE, "--window %d: want an odd number", r->window);
     }
     if (r->wish.method == PLFT_SWEEP && r->cost == PLFX_COST_ZNCC) {
@@ -172,6 +172,9 @@ static int prepare(request *r, job *j)
     if (r->optics != NULL) {
         rc = plft_optics_read(&j->optics, r->optics, j->field.lut == NULL);
     }
+    r->window = r->window != 0 ? r->window : plft_own_window(&j->field);
+    r->texture =
+        r->texture >= 0.0 ? r->texture : plft_find_texture(&j->field, r->window);
     plft_field_rescale(&j->field, j->found ? 12.0 : fmax(fabs(j->lo), fabs(j->hi)));
     r->wish.u_only = r->axes;
     rc = rc != 0 ? rc : plft_arrange(&j->field, &r->wish, j->cfg.at, &n);
@@ -333,7 +336,7 @@ int plft_cmd_depth(int argc, char **argv)
         {"--fuse", PLFT_WORD, &r.fuse, "median|correlation", 0, 0,
          "pairs into one slope; median"},
         {"--window", PLFT_INT, &r.window, "N", PLFX_WINDOW_MIN, PLFX_WINDOW_MAX,
-         "lenses on a side, odd; 9"},
+         "lenses on a side, odd; 9, less for small views"},
         {"--slopes", PLFT_TEXT, &r.slopes, "MIN:MAX:N", 0, 0,
          "range and number of slopes; found from the scene"},
         {"--views", PLFT_INT, &r.wish.n, "N", 2, PLFX_VIEWS_MAX,
@@ -346,7 +349,7 @@ int plft_cmd_depth(int argc, char **argv)
         {"--step", PLFT_REAL, &r.wish.step, "S", 0.1, 127,
          "of gradient and --adjacent, pixels; a third of R"},
         {"--texture", PLFT_REAL, &r.texture, "T", 0, 255,
-         "least mean gradient, 1/1000 of full scale; 2"},
+         "least mean gradient, 1/1000 of full scale; over the noise"},
         {"--unique", PLFT_REAL, &r.unique, "C", 0, 1, "least confidence; 0"},
         {"--confidence", PLFT_TEXT, &r.paths.confidence, "C.pfm", 0, 0, "0 to 1"},
         {"--sigma", PLFT_TEXT, &r.paths.sigma, "S.pfm", 0, 0,
@@ -372,8 +375,7 @@ int plft_cmd_depth(int argc, char **argv)
     r.cost = NOT_GIVEN;
     r.preset = NOT_GIVEN;
     r.noise = NOT_GIVEN;
-    r.window = 9;
-    r.texture = 2.0;
+    r.texture = NOT_GIVEN;
     rc = plft_args(argc, argv, &usage, options, operand, 1, &n, &helped);
     if (rc != 0 || helped) {
         return rc;

@@ -15,8 +15,10 @@
 #include "common/square.h"
 #include "common/views_json.h"
 
-#define SHEET_W   1600 /* pixels, about */
-#define SHEET_GAP 2
+#define SHEET_MAX  1600 /* pixels of width, about */
+#define SHEET_MIN  500
+#define SHEET_GAP  2
+#define SHEET_TEXT 10 /* rows above each view */
 
 typedef struct request {
     plft_source source;
@@ -27,7 +29,8 @@ typedef struct request {
 
 typedef struct sheet { /* contact sheet, RGB */
     uint8_t *rgb;
-    int cols, rows, cell_w, cell_h, w, h, shrink;
+    int cols, rows, cell_w, cell_h, w, h;
+    int shrink, grow; /* one of them is 1 */
 } sheet;
 
 static void row_to_frame(const plfx_views *v, int k, plft_frame *f)
@@ -48,11 +51,12 @@ static int sheet_init(sheet *s, const plft_square *sq, int n)
         s->cols++;
     }
     s->rows = (n + s->cols - 1) / s->cols;
-    s->shrink = (s->cols * sq->w + SHEET_W - 1) / SHEET_W;
-    s->cell_w = (sq->w + s->shrink - 1) / s->shrink;
-    s->cell_h = (sq->h + s->shrink - 1) / s->shrink;
+    s->shrink = (s->cols * sq->w + SHEET_MAX - 1) / SHEET_MAX;
+    s->grow = (SHEET_MIN + s->cols * sq->w - 1) / (s->cols * sq->w);
+    s->cell_w = (sq->w + s->shrink - 1) / s->shrink * s->grow;
+    s->cell_h = (sq->h + s->shrink - 1) / s->shrink * s->grow;
     s->w = s->cols * (s->cell_w + SHEET_GAP);
-    s->h = s->rows * (s->cell_h + SHEET_GAP);
+    s->h = s->rows * (s->cell_h + SHEET_TEXT + SHEET_GAP);
     s->rgb = (uint8_t *)plft_alloc((size_t)s->w * (size_t)s->h, 3);
     return s->rgb != NULL ? 0 : PLFT_DATA;
 }
@@ -78,7 +82,7 @@ static int sheet_add(sheet *s, const plft_square *sq, const plft_frame *f,
 {
     static const uint8_t white[3] = {255, 255, 255};
     int x0 = k % s->cols * (s->cell_w + SHEET_GAP);
-    int y0 = k / s->cols * (s->cell_h + SHEET_GAP);
+    int y0 = k / s->cols * (s->cell_h + SHEET_TEXT + SHEET_GAP) + SHEET_TEXT;
     uint16_t *flat =
         (uint16_t *)plft_alloc((size_t)sq->w * (size_t)sq->h, sizeof *flat);
     char text[32];
@@ -92,11 +96,12 @@ static int sheet_add(sheet *s, const plft_square *sq, const plft_frame *f,
         for (x = 0; x < s->cell_w; x++) {
             uint8_t *p =
                 s->rgb + 3 * ((size_t)(y0 + y) * (size_t)s->w + (size_t)(x0 + x));
-            memset(p, shrunk(sq, flat, f->bits, x, y, s->shrink), 3);
+            memset(p, shrunk(sq, flat, f->bits, x / s->grow, y / s->grow, s->shrink),
+                   3);
         }
     }
-    (void)snprintf(text, sizeof text, "%g,%g", at.u_q8 / 256.0, at.v_q8 / 256.0);
-    plft_text(s->rgb, s->w, s->h, x0 + 2, y0 + 2, text, white);
+    (void)snprintf(text, sizeof text, "%.3g, %.3g", at.u_q8 / 256.0, at.v_q8 / 256.0);
+    plft_text(s->rgb, s->w, s->h, x0 + 2, y0 - SHEET_TEXT + 1, text, white);
     free(flat);
     return 0;
 }
@@ -133,7 +138,7 @@ static int write_all(const plft_field *field, const char *dir, const plfx_offset
                      int n)
 {
     plft_square sq = {0, 0, NULL, NULL};
-    sheet s = {NULL, 0, 0, 0, 0, 0, 0, 0};
+    sheet s = {NULL, 0, 0, 0, 0, 0, 0, 1, 1};
     plft_frame f;
     int k, rc;
 

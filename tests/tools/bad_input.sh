@@ -191,12 +191,12 @@ cp grid/in_0.png grid/again_7.png
 grid 1 '10 numbered PNG files where --grid 3x3 wants 9' --views-dir grid --grid 3x3
 "$plenofix" depth --views-dir grid --grid 3x3 --pattern 'in_*' --slopes -1:1:9 \
     -o ok.pfm >/dev/null 2>warned
-grep -q '1 PNG files without a number at their end, or not of the pattern' warned
+grep -q 'ignored are 1 PNG files .* of the pattern: again_7.png' warned
 rm grid/again_7.png
 cp grid/in_0.png grid/mask.png
 "$plenofix" depth --views-dir grid --grid 3x3 --slopes -1:1:9 -o ok2.pfm >/dev/null 2>warned
 cmp ok.pfm ok2.pfm
-grep -q '1 PNG files' warned
+grep -q 'ignored are 1 PNG files .*: mask.png' warned
 rm ok.pfm ok2.pfm
 
 # Files that tell sign and units.

@@ -74,9 +74,9 @@ static int open_grid(plft_field *field, const plft_source *s)
                        s->grid, rows * cols);
     } else {
         if (names.ignored > 0) {
-            plft_warn("%s: %d PNG files without a number at their end, or not of the "
-                      "pattern, are ignored",
-                      s->dir, names.ignored);
+            plft_warn("%s: ignored are %d PNG files without a number at their end, or "
+                      "not of the pattern: %s",
+                      s->dir, names.ignored, names.some);
         }
         rc = grid_offsets(field, s->dir, &names, rows, cols);
     }

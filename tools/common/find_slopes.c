@@ -10,7 +10,7 @@
 #define LABEL_STEP  0.25 /* lenses in the outermost view */
 #define LABELS_LO   9
 #define LABELS_HI   96
-#define SAMPLES_MIN 40
+#define SAMPLES_MIN 12
 #define RAW_REACH   3.0  /* lenses in the inner view: over any camera's parallax */
 #define ARRAY_REACH 12.0 /* pixels a view step */
 #define CROWD       0.01 /* share of the samples at an end that asks for more range */

@@ -6,6 +6,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <fnmatch.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -102,6 +103,15 @@ static int compare(const void *a, const void *b)
     return c != 0 ? c : strcmp(*(char *const *)a, *(char *const *)b);
 }
 
+static void leave_out(plft_names *names, const char *name)
+{
+    size_t at = strlen(names->some);
+
+    (void)snprintf(names->some + at, sizeof names->some - at, "%s%s",
+                   at > 0 ? ", " : "", name);
+    names->ignored++;
+}
+
 int plft_folder_numbered(plft_names *names, const char *folder, const char *pattern)
 {
     DIR *dir = opendir(folder);
@@ -121,7 +131,7 @@ int plft_folder_numbered(plft_names *names, const char *folder, const char *patt
             (pattern == NULL || fnmatch(pattern, e->d_name, 0) == 0)) {
             rc = add(names, e->d_name);
         } else {
-            names->ignored++;
+            leave_out(names, e->d_name);
         }
     }
     (void)closedir(dir);

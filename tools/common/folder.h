@@ -6,7 +6,8 @@
 typedef struct plft_names {
     char **name; /* [n] file names without the folder, malloc'd */
     int n;
-    int ignored; /* PNG files that were left out */
+    int ignored;    /* PNG files that were left out ... */
+    char some[160]; /* ... and the names of the first of them */
 } plft_names;
 
 /* PNG files whose stem ends in a number, by the numbers in their names (view_2_10 after

@@ -25,6 +25,14 @@ int plft_plan(plfx_plan *plan, const plfx_cfg *cfg, const plft_field *field);
 int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *map,
                plft_times *times);
 
+/* Least texture worth matching, 1/1000 of full scale: 1.4 times that of the flattest
+ * fiftieth of the centre view's windows, which holds the noise where the scene has a flat
+ * part; never under 2, nor over 12, so that a scene textured throughout loses nothing. */
+double plft_find_texture(const plft_field *field, int window);
+
+/* A window that suits the size of the views: 9, less for fewer than 72 lenses. */
+int plft_own_window(const plft_field *field);
+
 /* Lenses that the table flags: LENS set, and no slope where the lens is missing. */
 void plft_flag_lenses(const plft_field *field, const plfx_map *map);
 
