@@ -185,7 +185,7 @@ grid 2 'ROWSxCOLUMNS' --views-dir grid --grid 0x9
 grid 2 'give --grid' --views-dir grid
 grid 1 'absent' --views-dir absent --grid 3x3
 grid 1 'where the first view' --views-dir odd --grid 3x3 --slopes -1:1:9
-grid 2 'larger than a view' --views-dir small --grid 3x3 --slopes -1:1:9
+grid 2 'larger than a view' --window 9 --views-dir small --grid 3x3 --slopes -1:1:9
 grid 1 'too few views' --views-dir grid --grid 1x9 --method gradient --slopes -1:1:9
 cp grid/in_0.png grid/again_7.png
 grid 1 '10 numbered PNG files where --grid 3x3 wants 9' --views-dir grid --grid 3x3

@@ -47,7 +47,7 @@ near 'residual' "$(figure residual_rms smooth.json)" 0 "$(figure residual_rms wh
 
 # Depth of a plane: every output, near the truth, in the range found.
 depth() { "$plenofix" depth s/scene.png --bits 12 --lut t.plut "$@"; }
-depth -o d.pfm --confidence c.pfm --sigma e.pfm --flags f.png --png p.png --png16 g.png \
+depth -o d.pfm --window 9 --confidence c.pfm --sigma e.pfm --flags f.png --png p.png --png16 g.png \
     --ply p.ply --optics s/optics.json --depth-mm mm.pfm --json >d.json
 for f in d.pfm c.pfm e.pfm f.png p.png g.png p.ply mm.pfm; do
     [ -s "$f" ] || { echo "no $f"; exit 1; }

@@ -26,8 +26,9 @@ int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *m
                plft_times *times);
 
 /* Least texture worth matching, 1/1000 of full scale: 1.4 times that of the flattest
- * fiftieth of the centre view's windows, which holds the noise where the scene has a flat
- * part; never under 2, nor over 12, so that a scene textured throughout loses nothing. */
+ * fiftieth of the centre view's windows, which holds the noise where the scene has a
+ * flat part; never under 2, nor over 12, so that a scene textured throughout loses
+ * nothing. */
 double plft_find_texture(const plft_field *field, int window);
 
 /* A window that suits the size of the views: 9, less for fewer than 72 lenses. */
