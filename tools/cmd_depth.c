@@ -173,8 +173,9 @@ static int prepare(request *r, job *j)
         rc = plft_optics_read(&j->optics, r->optics, j->field.lut == NULL);
     }
     r->window = r->window != 0 ? r->window : plft_own_window(&j->field);
-    r->texture =
-        r->texture >= 0.0 ? r->texture : plft_find_texture(&j->field, r->window);
+    if (rc == 0 && r->texture < 0.0) {
+        rc = plft_find_texture(&j->field, r->window, &r->texture);
+    }
     plft_field_rescale(&j->field, j->found ? 12.0 : fmax(fabs(j->lo), fabs(j->hi)));
     r->wish.u_only = r->axes;
     rc = rc != 0 ? rc : plft_arrange(&j->field, &r->wish, j->cfg.at, &n);

@@ -61,16 +61,17 @@ static double flattest(const plfx_views *one, int w)
     return found;
 }
 
-double plft_find_texture(const plft_field *field, int window)
+int plft_find_texture(const plft_field *field, int window, double *texture)
 {
     plfx_offset centre = plft_field_offset(field, 0.0, 0.0);
     double full = (double)((1 << field->bits) - 1), found;
     plfx_views one;
+    int rc = plft_field_views(field, &centre, 1, &one);
 
-    if (plft_field_views(field, &centre, 1, &one) != 0) {
-        return LEAST;
+    if (rc == 0) {
+        found = 1000.0 * OVER_NOISE * flattest(&one, window) / full;
+        *texture = fmin(fmax(found, LEAST), MOST);
+        free(one.px);
     }
-    found = 1000.0 * OVER_NOISE * flattest(&one, window) / full;
-    free(one.px);
-    return fmin(fmax(found, LEAST), MOST);
+    return rc;
 }

@@ -29,7 +29,7 @@ int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *m
  * fiftieth of the centre view's windows, which holds the noise where the scene has a
  * flat part; never under 2, nor over 12, so that a scene textured throughout loses
  * nothing. */
-double plft_find_texture(const plft_field *field, int window);
+int plft_find_texture(const plft_field *field, int window, double *texture);
 
 /* A window that suits the size of the views: 9, less for fewer than 72 lenses. */
 int plft_own_window(const plft_field *field);
