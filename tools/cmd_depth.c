@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "common/args.h"
 #include "common/arrange.h"
+#include "common/device.h"
 #include "common/err.h"
 #include "common/json.h"
 #include "common/match.h"
@@ -19,7 +20,7 @@ typedef struct request { /* as the command line names it */
     plft_source source;
     plft_views_wish wish;
     plft_depth_paths paths;
-    const char *slopes, *optics;
+    const char *slopes, *optics, *device;
     int axes; /* 0 uv, 1 u */
     int cost, fuse, window, json;
     double texture, unique;
@@ -36,6 +37,7 @@ typedef struct job { /* as it is run */
     plft_depth_stats stats;
     plft_times times;
     double lo, hi;
+    int device;
     int labels, found; /* found: slopes come from the scene */
     plft_preset preset;
 } job;
@@ -67,6 +69,8 @@ static int parse_slopes(const char *text, job *j)
 
 static int check_request(const request *r, job *j)
 {
+    int rc;
+
     if (r->paths.slope == NULL) {
         return plft_fail(PLFT_USAGE, "want -o OUT.pfm");
     }
@@ -83,7 +87,8 @@ static int check_request(const request *r, job *j)
     if (r->slopes != NULL && parse_slopes(r->slopes, j) != 0) {
         return PLFT_USAGE;
     }
-    return plft_depth_check_paths(&r->paths);
+    rc = plft_device_parse(&j->device, r->device);
+    return rc != 0 ? rc : plft_depth_check_paths(&r->paths);
 }
 
 static void fill_cfg(const request *r, job *j)
@@ -169,6 +174,7 @@ static int prepare(request *r, job *j)
     if (rc != 0) {
         return rc;
     }
+    j->field.device = j->device;
     if (r->optics != NULL) {
         rc = plft_optics_read(&j->optics, r->optics, j->field.lut == NULL);
     }
@@ -365,6 +371,8 @@ int plft_cmd_depth(int argc, char **argv)
          "line from slope to distance"},
         {"--depth-mm", PLFT_TEXT, &r.paths.depth_mm, "D.pfm", 0, 0,
          "distance from the main lens, mm"},
+        {"--device", PLFT_TEXT, &r.device, "cpu|cl[:N]", 0, 0,
+         "where it is computed, with the same answers; cpu"},
         {"--json", PLFT_FLAG, &r.json, NULL, 0, 0, "print configuration and figures"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
     plft_option options[PLFT_OPTIONS_MAX];

@@ -1,11 +1,50 @@
-#!/bin/sh
+#!/bin/bash
 # SPDX-License-Identifier: MIT
-# plenofix devices lists the core always; refuses what it does not know.
+# plenofix devices, and depth --device: the same map to the byte, or a clear refusal.
 set -eu
-"$1" devices | grep -q '^cpu '
-"$1" devices --help | grep -q 'depth --device'
-status=0
-"$1" devices surplus 2>/dev/null || status=$?
-[ $status -eq 2 ]
+plenofix=$(realpath "$1")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir"
+export POCL_CACHE_DIR="$dir/pocl"
+mkdir pocl
+
+"$plenofix" devices | grep -q '^cpu '
+"$plenofix" devices --help | grep -q 'depth --device'
+refused() { # status, words, command ...
+    local want=$1 words=$2 status=0
+    shift 2
+    "$@" >/dev/null 2>err || status=$?
+    [ $status -eq "$want" ] && grep -q "$words" err && [ "$(wc -l <err)" -eq 1 ] ||
+        { echo "$*: status $status, said: $(cat err)"; exit 1; }
+}
+refused 2 surplus "$plenofix" devices surplus
 # No driver: the list ends with what to do, not with an error.
-OCL_ICD_VENDORS=/nonexistent "$1" devices | grep -q 'install'
+OCL_ICD_VENDORS=/nonexistent "$plenofix" devices | grep -q 'install'
+
+cat >s.json <<'JSON'
+{"seed": 3, "rays": 2, "frames": ["white", "scene"],
+ "camera": {"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [30, 20]},
+ "sensor": {"bits": 12, "full_well_e": 30000},
+ "objects": [{"type": "plane", "z_mm": 560}]}
+JSON
+"$plenofix" simulate s.json -o s
+"$plenofix" calibrate s/white.png --bits 12 -o t.plut >/dev/null
+depth() { "$plenofix" depth s/scene.png --bits 12 --lut t.plut "$@"; }
+refused 2 'want cpu, cl or cl:N' depth -o d.pfm --device gpu
+OCL_ICD_VENDORS=/nonexistent refused 1 'OpenCL' depth -o d.pfm --device cl
+[ ! -e d.pfm ]
+if ! "$plenofix" devices | grep -q '^cl:0'; then
+    echo "no OpenCL device here: maps not compared"
+    exit 0
+fi
+refused 2 'there are' depth -o d.pfm --device cl:99
+for method in binocular plenoptic sweep gradient; do
+    depth --method $method -o cpu.pfm --confidence cpu.c.pfm --flags cpu.png >/dev/null
+    depth --method $method -o cl.pfm --confidence cl.c.pfm --flags cl.png --device cl \
+        >/dev/null
+    cmp cpu.pfm cl.pfm
+    cmp cpu.c.pfm cl.c.pfm
+    cmp cpu.png cl.png
+done

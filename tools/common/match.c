@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "common/match.h"
 
+#include "common/device.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -72,24 +74,6 @@ int plft_plan(plfx_plan *plan, const plfx_cfg *cfg, const plft_field *field)
     }
 }
 
-static int run(const plfx_plan *plan, const plfx_views *views, const plfx_map *map)
-{
-    int gradient = plan->cfg.method == PLFX_METHOD_GRADIENT;
-    size_t n = gradient ? plfx_gradient_ws(plan) : plfx_sweep_ws(plan);
-    void *ws = plft_alloc_ws(n);
-    plfx_status status;
-
-    if (ws == NULL) {
-        return PLFT_DATA;
-    }
-    status = gradient ? plfx_gradient(plan, views, map, ws, n)
-                      : plfx_sweep(plan, views, map, ws, n);
-    free(ws);
-    return status == PLFX_OK
-               ? 0
-               : plft_fail(PLFT_DATA, "matching failed with status %d", (int)status);
-}
-
 int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *map,
                plft_times *times)
 {
@@ -100,7 +84,7 @@ int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *m
     t1 = plft_cpu_s();
     times->extract += t1 - t0;
     if (rc == 0) {
-        rc = run(plan, &views, map);
+        rc = plft_device_match(field->device, plan, &views, map);
         free(views.px);
     }
     times->match += plft_cpu_s() - t1;

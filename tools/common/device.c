@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+#include "common/device.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/err.h"
+#include "common/memory.h"
+#include "plenofix/gradient.h"
+#include "plenofix/sweep.h"
+#ifdef PLFT_OPENCL
+#include "plenofix/cl.h"
+#endif
+
+static int on_core(const plfx_plan *plan, const plfx_views *views, const plfx_map *map)
+{
+    int gradient = plan->cfg.method == PLFX_METHOD_GRADIENT;
+    size_t n = gradient ? plfx_gradient_ws(plan) : plfx_sweep_ws(plan);
+    void *ws = plft_alloc_ws(n);
+    plfx_status status;
+
+    if (ws == NULL) {
+        return PLFT_DATA;
+    }
+    status = gradient ? plfx_gradient(plan, views, map, ws, n)
+                      : plfx_sweep(plan, views, map, ws, n);
+    free(ws);
+    return status == PLFX_OK
+               ? 0
+               : plft_fail(PLFT_DATA, "matching failed with status %d", (int)status);
+}
+
+#ifdef PLFT_OPENCL
+static int known(int device)
+{
+    int n = (int)plfx_cl_devices();
+
+    if (n == 0) {
+        return plft_fail(PLFT_DATA,
+                         "--device cl: no OpenCL device here; install a driver "
+                         "(pocl-opencl-icd runs on any CPU)");
+    }
+    if (device >= n) {
+        return plft_fail(PLFT_USAGE,
+                         "--device cl:%d: there are %d; see plenofix devices", device,
+                         n);
+    }
+    return 0;
+}
+
+static int on_opencl(int device, const plfx_plan *plan, const plfx_views *views,
+                     const plfx_map *map)
+{
+    size_t n = 2 * (size_t)views->nx * (size_t)views->ny * (size_t)views->n;
+    plfx_cl *cl = calloc(1, sizeof *cl);
+    plfx_cl_input input;
+    plfx_status status;
+    int rc = 0;
+
+    if (cl == NULL) {
+        return plft_fail(PLFT_DATA, "out of memory");
+    }
+    memset(&input, 0, sizeof input);
+    status = plfx_cl_open(cl, device, plan, &input);
+    status = status == PLFX_OK ? plfx_cl_submit(cl, views->px, n) : status;
+    status = status == PLFX_OK ? plfx_cl_fetch(cl, map) : status;
+    if (status != PLFX_OK) {
+        rc = plft_fail(PLFT_DATA, "--device cl:%d: %s (status %d)", device, cl->message,
+                       (int)status);
+    }
+    plfx_cl_close(cl);
+    free(cl);
+    return rc;
+}
+#else
+static int known(int device)
+{
+    (void)device;
+    return plft_fail(PLFT_DATA, "--device cl: built without OpenCL; install "
+                                "ocl-icd-opencl-dev and build again");
+}
+
+static int on_opencl(int device, const plfx_plan *plan, const plfx_views *views,
+                     const plfx_map *map)
+{
+    (void)plan;
+    (void)views;
+    (void)map;
+    return known(device);
+}
+#endif
+
+int plft_device_parse(int *device, const char *text)
+{
+    char rest;
+
+    *device = PLFT_CPU;
+    if (text == NULL || strcmp(text, "cpu") == 0) {
+        return 0;
+    }
+    if (strcmp(text, "cl") == 0) {
+        *device = 0;
+    } else if (sscanf(text, "cl:%d%c", device, &rest) != 1 || *device < 0) {
+        return plft_fail(PLFT_USAGE, "--device %s: want cpu, cl or cl:N", text);
+    }
+    return known(*device);
+}
+
+int plft_device_match(int device, const plfx_plan *plan, const plfx_views *views,
+                      const plfx_map *map)
+{
+    return device == PLFT_CPU ? on_core(plan, views, map)
+                              : on_opencl(device, plan, views, map);
+}
