@@ -14,6 +14,7 @@ plft_command plft_cmd_evaluate;
 plft_command plft_cmd_help;
 plft_command plft_cmd_import_centres;
 plft_command plft_cmd_info;
+plft_command plft_cmd_optics;
 plft_command plft_cmd_refocus;
 plft_command plft_cmd_simulate;
 plft_command plft_cmd_views;

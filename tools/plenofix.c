@@ -22,6 +22,7 @@ static const entry commands[] = {
     {"views", plft_cmd_views, "sub-aperture views of a raw frame, as pictures"},
     {"depth", plft_cmd_depth, "slope, confidence and distance of every lens"},
     {"refocus", plft_cmd_refocus, "a picture focused after it was taken"},
+    {"optics", plft_cmd_optics, "the line from slope to distance, from known targets"},
     {"evaluate", plft_cmd_evaluate, "a depth map against its truth"},
     {"simulate", plft_cmd_simulate, "frames of an imagined camera, with their truth"},
     {"bench", plft_cmd_bench, "time and memory of the core on this machine"},

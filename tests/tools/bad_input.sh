@@ -232,6 +232,16 @@ optics '"f_mu_mm" is missing' '{"F_mm": 50, "focus_mm": 480}'
 optics 'o.json: line' '{"inv0": 2,'
 optics 'JSON object' '[1, 2]'
 
+printf '0.1,500\n' >t.csv
+refused 1 'two targets' optics t.csv -o keep.pfm
+printf '0.1,500\n0.1,600\n' >t.csv
+refused 1 'two targets' optics t.csv -o keep.pfm
+printf '0.1,500\n0.2,-1\n' >t.csv
+refused 1 'target 2' optics t.csv -o keep.pfm
+printf 'a,b\n0.1,500\n' >t.csv
+refused 1 'slope,distance_mm' optics t.csv -o keep.pfm
+refused 2 'want TARGETS.csv' optics t.csv
+
 # Lists of centres.
 centres() { # STATUS TEXT LINES options
     local want=$1 text=$2 lines=$3

@@ -3,6 +3,7 @@
 # From a frame to maps: import-centres, info, views, depth, refocus on a simulated scene.
 set -eu
 plenofix=$(realpath "$1")
+here=$(dirname "$(realpath "$0")")
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 cd "$dir"
@@ -88,6 +89,33 @@ same "--white s/white.png --view-bits 8" "--white s/white.png --view-bits 8 --co
 "$plenofix" refocus --views-dir all --slope 0.02 -o r2.png
 cmp r1.png r2.png
 
+# Optics from targets: those of the simulated camera come back from three of its planes.
+awk 'BEGIN {print "slope,distance_mm"; for (d = 400; d <= 600; d += 100)
+    printf "%.6f,%g\n", (1000 / d - 1000 / 480) / -2.711207, d}' >targets.csv
+"$plenofix" optics targets.csv -o fitted.json | grep -q '3 targets, error 0.0'
+near inv0 "$(figure inv0 fitted.json)" 2.0832 2.0835
+near gain "$(figure gain fitted.json)" -2.712 -2.711
+depth -o d.pfm --window 9 --optics fitted.json --depth-mm mm2.pfm --slopes 0:0.2:9 >/dev/null
+"$plenofix" evaluate mm2.pfm s/depth_mm.pfm --border 6 --json >e.json
+near "mm error" "$(figure median_x100 e.json)" 0 300
+
+# Views of a camera array, the convention of the HCI benchmark: disparity 1 is one pixel
+# to the left for each column to the right, one pixel up for each row down.
+PYTHONPATH=$here python3 - <<'PY'
+import os
+import png
+os.makedirs("grid")
+texture = lambda x, y: (x * x * 31 + y * y * 17 + x * y * 7) // 3 % 251
+for r in range(3):
+    for c in range(3):
+        png.write("grid/in_%d_%d.png" % (r, c), 40, 32,
+                  lambda x, y: texture(x + c - 1 + 50, y + r - 1 + 50))
+PY
+"$plenofix" depth --views-dir grid --grid 3x3 -o grid.pfm --json >g.json 2>/dev/null
+near disparity "$(figure median g.json)" 0.98 1.02
+"$plenofix" depth --views-dir grid --grid 3x3 -o grid.pfm --slopes -12:12:33 --json >g.json
+near disparity "$(figure median g.json)" 0.9 1.1
+
 # Bayer mosaics.
 sed 's/"bits": 12/"bits": 12, "bayer": "grbg"/' s.json >bayer.json
 "$plenofix" simulate bayer.json -o bayer
@@ -98,7 +126,7 @@ for c in grey r g b; do
     near "mean square error of $c" "$(figure mse_x100 e.json)" 0 0.04
 done
 
-for c in import-centres info views depth refocus; do
+for c in import-centres info views depth refocus optics; do
     "$plenofix" $c --help | grep -q "usage: plenofix $c"
     "$plenofix" help $c >/dev/null
 done
