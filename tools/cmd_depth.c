@@ -180,7 +180,8 @@ static int prepare(request *r, job *j)
     }
     r->window = r->window != 0 ? r->window : plft_own_window(&j->field);
     if (rc == 0 && r->texture < 0.0) {
-        rc = plft_find_texture(&j->field, r->window, &r->texture);
+        rc = plft_find_texture(&j->field, r->axes || r->wish.method == PLFT_BINOCULAR,
+                               r->window, &r->texture);
     }
     plft_field_rescale(&j->field, j->found ? 12.0 : fmax(fabs(j->lo), fabs(j->hi)));
     r->wish.u_only = r->axes;

@@ -17,8 +17,9 @@ int plft_own_window(const plft_field *field)
     return side >= 72 ? 9 : side >= 48 ? 7 : side >= 16 ? 5 : 3;
 }
 
-/* Mean of |A(x,y)-A(x-1,y)| + |A(x,y)-A(x,y-1)| over a window, as the core tests it. */
-static double roughness(const plfx_views *one, int x0, int y0, int w)
+/* Mean of |A(x,y)-A(x-1,y)|, and of |A(x,y)-A(x,y-1)| where views lie off the u axis,
+ * over a window, as the core tests it. */
+static double roughness(const plfx_views *one, int u_only, int x0, int y0, int w)
 {
     long sum = 0;
     int x, y;
@@ -26,7 +27,8 @@ static double roughness(const plfx_views *one, int x0, int y0, int w)
     for (y = y0; y < y0 + w; y++) {
         for (x = x0; x < x0 + w; x++) {
             const uint16_t *p = one->px + (size_t)y * (size_t)one->nx + (size_t)x;
-            sum += abs((int)p[0] - p[-1]) + abs((int)p[0] - p[-one->nx]);
+            sum += abs((int)p[0] - p[-1]);
+            sum += u_only ? 0 : abs((int)p[0] - p[-one->nx]);
         }
     }
     return (double)sum / (w * w);
@@ -39,7 +41,7 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static double flattest(const plfx_views *one, int w)
+static double flattest(const plfx_views *one, int u_only, int w)
 {
     size_t n = 0, room = (size_t)(one->nx / w) * (size_t)(one->ny / w);
     double *r = (double *)plft_alloc(room, sizeof *r), found = 0.0;
@@ -50,7 +52,7 @@ static double flattest(const plfx_views *one, int w)
     }
     for (y = 1; y + w <= one->ny; y += w) {
         for (x = 1; x + w <= one->nx && n < room; x += w) {
-            r[n++] = roughness(one, x, y, w);
+            r[n++] = roughness(one, u_only, x, y, w);
         }
     }
     if (n > 0) {
@@ -61,7 +63,7 @@ static double flattest(const plfx_views *one, int w)
     return found;
 }
 
-int plft_find_texture(const plft_field *field, int window, double *texture)
+int plft_find_texture(const plft_field *field, int u_only, int window, double *texture)
 {
     plfx_offset centre = plft_field_offset(field, 0.0, 0.0);
     double full = (double)((1 << field->bits) - 1), found;
@@ -69,7 +71,7 @@ int plft_find_texture(const plft_field *field, int window, double *texture)
     int rc = plft_field_views(field, &centre, 1, &one);
 
     if (rc == 0) {
-        found = 1000.0 * OVER_NOISE * flattest(&one, window) / full;
+        found = 1000.0 * OVER_NOISE * flattest(&one, u_only, window) / full;
         *texture = fmin(fmax(found, LEAST), MOST);
         free(one.px);
     }

@@ -28,8 +28,8 @@ int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *m
 /* Least texture worth matching, 1/1000 of full scale: 1.4 times that of the flattest
  * fiftieth of the centre view's windows, which holds the noise where the scene has a
  * flat part; never under 2, nor over 12, so that a scene textured throughout loses
- * nothing.  0 or PLFT_DATA. */
-int plft_find_texture(const plft_field *field, int window, double *texture);
+ * nothing.  u_only: all views lie along u.  0 or PLFT_DATA. */
+int plft_find_texture(const plft_field *field, int u_only, int window, double *texture);
 
 /* A window that suits the size of the views: 9, less for fewer than 72 lenses. */
 int plft_own_window(const plft_field *field);
