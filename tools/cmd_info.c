@@ -108,33 +108,35 @@ static int print_text(const plft_table *t, const facts *f)
     return 0;
 }
 
+static json_t *vector(plfx_vec_q22 v)
+{
+    return json_pack("[f,f]", v.x_q22 / 4194304.0, v.y_q22 / 4194304.0);
+}
+
 static int print_json(const plft_table *t, const facts *f)
 {
     const plfx_lut *l = &t->lut;
+    const plfx_lattice *g = &l->lattice;
     char crc[16];
     json_t *root;
     int rc;
 
     (void)snprintf(crc, sizeof crc, "%08x", (unsigned)l->crc);
     root = json_pack(
-        "{s:[i,i],s:i,s:s,s:i,s:i,s:[f,f],s:[f,f],s:[f,f],s:[f,f],s:f,s:f}", "sensor",
-        l->sensor_w, l->sensor_h, "bits", l->sensor_bits, "lattice", kind_name(l), "nx",
-        l->lattice.nx, "ny", l->lattice.ny, "origin", l->lattice.origin.x_q16 / 65536.0,
-        l->lattice.origin.y_q16 / 65536.0, "a", l->lattice.a.x_q22 / 4194304.0,
-        l->lattice.a.y_q22 / 4194304.0, "b", l->lattice.b.x_q22 / 4194304.0,
-        l->lattice.b.y_q22 / 4194304.0, "odd", l->lattice.odd.x_q22 / 4194304.0,
-        l->lattice.odd.y_q22 / 4194304.0, "pitch", f->pitch, "rotation_deg",
-        f->rotation);
+        "{s:[i,i],s:i,s:s,s:i,s:i,s:[f,f],s:o,s:o,s:o,s:f,s:f,s:f,s:f,s:I,s:I,s:I,s:I,"
+        "s:I,"
+        "s:s,s:I}",
+        "sensor", l->sensor_w, l->sensor_h, "bits", l->sensor_bits, "lattice",
+        kind_name(l), "nx", g->nx, "ny", g->ny, "origin", g->origin.x_q16 / 65536.0,
+        g->origin.y_q16 / 65536.0, "a", vector(g->a), "b", vector(g->b), "odd",
+        vector(g->odd), "pitch", f->pitch, "rotation_deg", f->rotation, "radius",
+        l->radius_q8 / 256.0, "residual_rms", f->residual, "missing",
+        (json_int_t)f->missing, "dim", (json_int_t)f->dim, "clipped",
+        (json_int_t)f->clipped, "interpolated", (json_int_t)f->interpolated, "bytes",
+        (json_int_t)t->size, "crc", crc, "camera", (json_int_t)l->camera_id);
     if (root == NULL) {
         return plft_fail(PLFT_DATA, "out of memory");
     }
-    (void)json_object_update(
-        root, json_pack("{s:f,s:f,s:I,s:I,s:I,s:I,s:I,s:s,s:I}", "radius",
-                        l->radius_q8 / 256.0, "residual_rms", f->residual, "missing",
-                        (json_int_t)f->missing, "dim", (json_int_t)f->dim, "clipped",
-                        (json_int_t)f->clipped, "interpolated",
-                        (json_int_t)f->interpolated, "bytes", (json_int_t)t->size,
-                        "crc", crc, "camera", (json_int_t)l->camera_id));
     rc = plft_json_print(root);
     json_decref(root);
     return rc;
