@@ -64,6 +64,17 @@ head -c 300 p.ply | grep -aq 'property float confidence'
 depth --method sweep --white s/white.png --dark s/dark.png -o w.pfm
 "$plenofix" evaluate w.pfm s/slope.pfm --border 6 --json >e.json
 near "mean square error" "$(figure mse_x100 e.json)" 0 0.01
+"$plenofix" views s/white.png --bits 12 --lut t.plut --white s/white.png --view-bits 8 -o flat \
+    --radius 8 >/dev/null
+"$plenofix" views s/white.png --bits 12 --lut t.plut --view-bits 8 -o dim --radius 8 >/dev/null
+for v in flat dim; do # mean of an outer view over that of the centre
+    PYTHONPATH=$here python3 -c '
+import png, sys
+a, b = (sum(png.samples(sys.argv[1] + "/view_%03d.png" % k)) for k in (1, 0))
+print(a / b)' $v >$v.txt
+done
+near "white over white" "$(cat flat.txt)" 0.98 1.02
+near "white alone" "$(cat dim.txt)" 0.3 0.97
 
 # The same map from the frame and from its views, method by method.
 same() { # views options -- depth options
@@ -113,8 +124,20 @@ for r in range(3):
 PY
 "$plenofix" depth --views-dir grid --grid 3x3 -o grid.pfm --json >g.json 2>/dev/null
 near disparity "$(figure median g.json)" 0.98 1.02
-"$plenofix" depth --views-dir grid --grid 3x3 -o grid.pfm --slopes -12:12:33 --json >g.json
+echo '{"inv0": 1, "gain": 1}' >grid.json
+"$plenofix" depth --views-dir grid --grid 3x3 -o grid.pfm --slopes -12:12:33 --json \
+    --optics grid.json --depth-mm gridmm.pfm >g.json
 near disparity "$(figure median g.json)" 0.9 1.1
+python3 - <<'PY'
+import math
+import struct
+with open("gridmm.pfm", "rb") as f:
+    for _ in range(3):
+        f.readline()
+    mm = [v[0] for v in struct.iter_unpack("<f", f.read()) if not math.isnan(v[0])]
+mm.sort()
+assert 475 < mm[len(mm) // 2] < 525, mm[len(mm) // 2]
+PY
 
 # Bayer mosaics.
 sed 's/"bits": 12/"bits": 12, "bayer": "grbg"/' s.json >bayer.json

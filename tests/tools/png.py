@@ -23,3 +23,27 @@ def write(path, w, h, pixel, depth=8, colour=0, extra=b""):
     with open(path, "wb") as out:
         out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + extra
                   + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def samples(path):
+    """All samples of an 8-bit grey file."""
+    data = open(path, "rb").read()
+    w, h = struct.unpack(">II", data[16:24])
+    at, packed = 8, b""
+    while at < len(data):
+        n = struct.unpack(">I", data[at:at + 4])[0]
+        if data[at + 4:at + 8] == b"IDAT":
+            packed += data[at + 8:at + 8 + n]
+        at += 12 + n
+    raw, out, above = zlib.decompress(packed), [], [0] * w
+    for y in range(h):
+        kind, row = raw[y * (w + 1)], list(raw[y * (w + 1) + 1:(y + 1) * (w + 1)])
+        for x in range(w):
+            left = row[x - 1] if x else 0
+            corner = above[x - 1] if x else 0
+            p = left + above[x] - corner
+            near = min((left, above[x], corner), key=lambda v: abs(p - v))
+            row[x] = (row[x] + (0, left, above[x], (left + above[x]) // 2, near)[kind]) % 256
+        out += row
+        above = row
+    return out
