@@ -112,6 +112,25 @@ static void fill_cfg(const request *r, job *j)
     c->unique_u16 = (uint16_t)lround(r->unique * 65535.0);
 }
 
+/* Slopes are looked for in the views that will be matched. */
+static int search(const request *r, job *j)
+{
+    plfx_cfg views = j->cfg, cfg = j->cfg;
+    plft_preset preset;
+    int rc = 0;
+
+    if (r->preset != NOT_GIVEN) {
+        memset(&preset, 0, sizeof preset);
+        preset.id = r->preset;
+        rc = plft_preset_cfg(&preset, &j->field, r->wish.radius, &views);
+        memcpy(cfg.at, views.at, sizeof cfg.at);
+        cfg.n = views.n;
+    }
+    return rc != 0 ? rc
+                   : plft_find_slopes(&j->field, &cfg, &j->lo, &j->hi, &j->labels,
+                                      &j->times);
+}
+
 static int settle_slopes(const request *r, job *j)
 {
     double scale = j->field.scale;
@@ -122,8 +141,7 @@ static int settle_slopes(const request *r, job *j)
         j->hi = 1.0;
         j->labels = PLFX_LABELS_MIN;
     } else if (j->found) {
-        rc =
-            plft_find_slopes(&j->field, &j->cfg, &j->lo, &j->hi, &j->labels, &j->times);
+        rc = search(r, j);
         if (rc != 0) {
             return rc;
         }

@@ -130,7 +130,8 @@ refused 1 'no lens table' info raw.png
 refused 1 'absent.plut' info absent.plut
 sed 's/"lenses": \[20, 16\]/"lenses": [14, 16]/' s.json >camera2.json
 "$plenofix" simulate camera2.json -o s2
-refused 1 "use the table of this camera" depth s2/scene.png --bits 12 --lut t.plut -o keep.pfm
+refused 1 'use the table of this camera' depth s2/scene.png --bits 12 --lut t.plut \
+    -o keep.pfm
 depth 1 'take it with the same camera' --dark s2/scene.png
 depth 1 'use the table of this camera' --white s2/scene.png
 
@@ -138,8 +139,10 @@ depth 1 'use the table of this camera' --white s2/scene.png
 depth 2 'outside the lens' --radius 9
 depth 2 'outside the lens' --method gradient --step 9
 refused 2 'outside the lens' views raw.png --bits 12 --lut t.plut -o none --radius 9
-refused 2 'outside the lens' views raw.png --bits 12 --lut t.plut -o none --views all --radius 9
-refused 2 'outside the lens' refocus raw.png --bits 12 --lut t.plut -o keep.pfm --slope 0 --radius 9
+refused 2 'outside the lens' views raw.png --bits 12 --lut t.plut -o none --views all \
+    --radius 9
+refused 2 'outside the lens' refocus raw.png --bits 12 --lut t.plut -o keep.pfm --slope 0 \
+    --radius 9
 depth 2 'MIN:MAX:N' --slopes 1
 depth 2 'MIN:MAX:N' --slopes 0:1:8x
 depth 2 'MIN under MAX' --slopes 1:-1:8
@@ -225,9 +228,12 @@ optics 'wrong sign' '{"inv0": 2, "gain": 5.0}'
 optics 'wrong sign' '{"inv0": 2, "gain": 0}'
 optics '"gain" is missing' '{"inv0": 2}'
 optics 'out of range' '{"inv0": 2000, "gain": -5.0}'
-optics '"F_mm" must be' '{"F_mm": 0.05, "focus_mm": 480, "f_mu_mm": 0.5, "pixel_mm": 0.0074, "pitch_mm": 0.125}'
-optics '"pixel_mm" must be' '{"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pixel_mm": 7.4, "pitch_mm": 0.125}'
-optics 'must be over "F_mm"' '{"F_mm": 50, "focus_mm": 48, "f_mu_mm": 0.5, "pixel_mm": 0.0074, "pitch_mm": 0.125}'
+optics '"F_mm" must be' \
+    '{"F_mm": 0.05, "focus_mm": 480, "f_mu_mm": 0.5, "pixel_mm": 0.0074, "pitch_mm": 0.125}'
+optics '"pixel_mm" must be' \
+    '{"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pixel_mm": 7.4, "pitch_mm": 0.125}'
+optics 'must be over "F_mm"' \
+    '{"F_mm": 50, "focus_mm": 48, "f_mu_mm": 0.5, "pixel_mm": 0.0074, "pitch_mm": 0.125}'
 optics '"f_mu_mm" is missing' '{"F_mm": 50, "focus_mm": 480}'
 optics 'o.json: line' '{"inv0": 2,'
 optics 'JSON object' '[1, 2]'

@@ -91,6 +91,8 @@ same "" "--method sweep --slopes -0.2:0.2:17 --window 5"
 same "--axes u" "--axes u --fuse correlation"
 same "--method gradient" "--method gradient"
 same "--adjacent" "--adjacent"
+same "--views all" "--preset stream"
+same "--views all" "--preset onboard"
 same "--white s/white.png --view-bits 8" "--white s/white.png --view-bits 8 --cost sad"
 
 # Refocus and all views; the same picture from views.
