@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """clang-tidy 14 with .clang-tidy over core, ports and tools.
-usage: tidy.py BUILD-FOLDER [FILE.c ...]   the folder was configured with clang"""
+usage: tidy.py BUILD-FOLDER core|all      the folder was configured with clang
+       tidy.py - FILE.c ..."""
 import concurrent.futures
 import json
 import pathlib
@@ -12,13 +13,15 @@ import common
 
 common.need('clang-tidy-14')
 folder = pathlib.Path(sys.argv[1])
-named = [pathlib.Path(a) for a in sys.argv[2:]]
+scope = sys.argv[2]
+named = [pathlib.Path(a) for a in sys.argv[2:]] if scope not in ('core', 'all') else []
 
 
 def from_database():
     entries = json.loads((folder / 'compile_commands.json').read_text())
     files = {(folder / e['file']).resolve() for e in entries}
-    inside = [common.ROOT / d for d in ('src', 'port', 'tools')]
+    folders = ('src', 'port', 'tools') if scope == 'all' else ('src',)
+    inside = [common.ROOT / d for d in folders]
     return sorted(f for f in files if any(d in f.parents for d in inside))
 
 
