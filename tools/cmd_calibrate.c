@@ -6,6 +6,7 @@
 
 #include "calib/calib.h"
 #include "calib/figures.h"
+#include "calib/report.h"
 #include "calib/save.h"
 #include "commands.h"
 #include "common/args.h"
@@ -20,7 +21,7 @@ enum { BAYER_AUTO = 0, BAYER_NONE = 1 }; /* index in the option's words */
 typedef struct options {
     const char *frames[FRAMES_MAX];
     int n;
-    const char *dark, *out;
+    const char *white, *report, *dark, *out;
     int bayer, bits, lattice, json;
     double radius;
     plft_optics_hint hint;
@@ -42,6 +43,8 @@ static int parse(int argc, char **argv, options *o, int *helped)
                               "frames are averaged."};
     const plft_option table[] = {
         {"-o", PLFT_TEXT, NULL, "CAM.plut", 0, 0, "the table to write"},
+        {"--white", PLFT_TEXT, NULL, "W", 0, 0, "white frame for the gains"},
+        {"--report", PLFT_TEXT, NULL, "R.html", 0, 0, "page with pictures and figures"},
         {"--dark", PLFT_TEXT, NULL, "D", 0, 0, "dark frame to subtract"},
         {"--bayer", PLFT_WORD, NULL, "auto|none|rggb|grbg|gbrg|bggr", 0, 0,
          "colour mosaic of the frames (auto)"},
@@ -58,15 +61,17 @@ static int parse(int argc, char **argv, options *o, int *helped)
 
     memcpy(t, table, sizeof table);
     t[0].target = &o->out;
-    t[1].target = &o->dark;
-    t[2].target = &o->bayer;
-    t[3].target = &o->bits;
-    t[4].target = &o->lattice;
-    t[5].target = &o->radius;
-    t[6].target = &o->hint.lens_pitch_mm;
-    t[7].target = &o->hint.pixel_mm;
-    t[8].target = &o->hint.f_mu_mm;
-    t[9].target = &o->json;
+    t[1].target = &o->white;
+    t[2].target = &o->report;
+    t[3].target = &o->dark;
+    t[4].target = &o->bayer;
+    t[5].target = &o->bits;
+    t[6].target = &o->lattice;
+    t[7].target = &o->radius;
+    t[8].target = &o->hint.lens_pitch_mm;
+    t[9].target = &o->hint.pixel_mm;
+    t[10].target = &o->hint.f_mu_mm;
+    t[11].target = &o->json;
     status = plft_args(argc, argv, &usage, t, o->frames, FRAMES_MAX, &o->n, helped);
     if (status == 0 && !*helped && o->n < 1) {
         status = plft_fail(PLFT_USAGE, "calibrate wants a frame");
@@ -163,6 +168,33 @@ static int calibrate(job *j)
     return plft_saved_init(&j->saved, &j->calib, &j->grey);
 }
 
+/* Gains from --white, or from the calibration frame when that is white. */
+static int add_gains(job *j)
+{
+    plft_grey white;
+    int status;
+
+    if (j->o.white == NULL) {
+        return j->calib.input == PLFT_INPUT_WHITE
+                   ? plft_saved_gain(&j->saved, &j->calib, &j->grey)
+                   : 0;
+    }
+    memset(&white, 0, sizeof white);
+    status = load(&white, &j->o, &j->o.white, 1);
+    if (status == 0 && (white.w != j->grey.w || white.h != j->grey.h)) {
+        status = plft_fail(PLFT_DATA,
+                           "%s is %dx%d but %s is %dx%d: frames of one camera "
+                           "have one size",
+                           j->o.white, white.w, white.h, j->o.frames[0], j->grey.w,
+                           j->grey.h);
+    }
+    if (status == 0) {
+        status = plft_saved_gain(&j->saved, &j->calib, &white);
+    }
+    plft_grey_free(&white);
+    return status;
+}
+
 static int report(job *j)
 {
     json_t *root = plft_figures_json(&j->calib, &j->grey, &j->o.hint, j->bytes);
@@ -175,6 +207,9 @@ static int report(job *j)
         status = plft_json_print(root);
     } else {
         plft_figures_print(&j->calib, &j->grey, &j->o.hint);
+    }
+    if (status == 0 && j->o.report != NULL) {
+        status = plft_report_write(j->o.report, &j->calib, &j->grey, &j->saved, root);
     }
     json_decref(root);
     return status;
@@ -192,6 +227,9 @@ int plft_cmd_calibrate(int argc, char **argv)
         status = load(&j.grey, &j.o, j.o.frames, j.o.n);
         if (status == 0) {
             status = calibrate(&j);
+        }
+        if (status == 0) {
+            status = add_gains(&j);
         }
         if (status == 0) {
             status = plft_saved_write(&j.saved, j.o.out, &j.bytes);

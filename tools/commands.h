@@ -8,6 +8,7 @@ typedef int plft_command(int argc, char **argv);
 
 plft_command plft_cmd_bench;
 plft_command plft_cmd_calibrate;
+plft_command plft_cmd_check;
 plft_command plft_cmd_depth;
 plft_command plft_cmd_devices;
 plft_command plft_cmd_evaluate;

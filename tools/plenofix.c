@@ -16,6 +16,7 @@ typedef struct entry {
 /* In the order in which one works with a camera. */
 static const entry commands[] = {
     {"calibrate", plft_cmd_calibrate, "a lens table from a calibration frame"},
+    {"check", plft_cmd_check, "has the lens lattice moved since the calibration?"},
     {"import-centres", plft_cmd_import_centres,
      "lens table from centres measured elsewhere"},
     {"info", plft_cmd_info, "what a lens table says"},

@@ -36,6 +36,7 @@ def dots(w, h, pitch, angle, x0, y0, nx, ny, dead=()):
     return [level(v + random.gauss(0, 1)) for v in im]
 w, h = 260, 215
 png("dots.png", w, h, dots(w, h, 14.5, math.radians(0.4), 20.25, 15.5, 16, 13, {(7, 6)}))
+png("moved.png", w, h, dots(w, h, 14.5, math.radians(0.4), 20.75, 15.25, 16, 13))
 png("few.png", 70, 70, dots(70, 70, 15.0, 0.0, 12.0, 12.0, 4, 4))
 png("black.png", w, h, [level(random.gauss(0, 0.3)) for _ in range(w * h)])
 png("white.png", w, h, [255] * (w * h))
@@ -83,3 +84,24 @@ refused 1 "neither" dots.png --lattice hex -o none.plut
 refused 1 "" absent.png -o none.plut
 refused 2 "wants -o" dots.png
 refused 2 "wants a frame" -o none.plut
+
+# Report: one file, nothing fetched.
+"$plenofix" calibrate dots.png -o cam.plut --report r.html >out.txt
+has r.html "data:image/png;base64,"
+has r.html "class='v green'"
+if grep -q "http" r.html; then echo "the report refers to the network"; exit 1; fi
+
+# Check: the same frame has not moved, a shifted one has, another camera's disagrees.
+"$plenofix" check dots.png --lut cam.plut >out.txt
+has out.txt "^not moved"
+"$plenofix" check moved.png --lut cam.plut --json >out.json
+python3 - <<'PY'
+import json
+d = json.load(open("out.json"))
+assert d["moved"] and abs(d["shift"][0] - 0.5) < 0.01 and abs(d["shift"][1] + 0.25) < 0.01, d
+PY
+for bad in noise.png few.png; do
+    status=0
+    "$plenofix" check $bad --lut cam.plut >out.txt 2>err.txt || status=$?
+    [ "$status" = 1 ] && [ "$(wc -l <err.txt)" = 1 ]
+done

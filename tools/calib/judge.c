@@ -87,6 +87,25 @@ static void flag_lenses(plft_field *f, double best)
     }
 }
 
+/* A dark place of a scene says nothing about its lens: all lenses on the picture count,
+ * those that could not be measured as interpolated. */
+static void flag_scene(plft_calib *c, const plft_grey *g)
+{
+    plft_field *f = &c->field;
+    int k;
+
+    for (k = 0; k < f->nx * f->ny; k++) {
+        plft_spot *s = &f->spot[k];
+        const plft_vec p =
+            plft_model_at(&c->model, f->i0 + k % f->nx, f->j0 + k / f->nx);
+        if (p.x < -0.5 || p.y < -0.5 || p.x >= g->w - 0.5 || p.y >= g->h - 0.5) {
+            s->flags = PLFX_LENS_MISSING;
+        } else {
+            s->flags = s->flags != 0 ? PLFX_LENS_INTERP : 0;
+        }
+    }
+}
+
 static int is_lit(const plft_field *f, int i, int j)
 {
     return i >= 0 && j >= 0 && i < f->nx && j < f->ny &&
@@ -259,7 +278,27 @@ static void structure(const plft_calib *c, const plft_grey *g, const plft_spot *
     }
 }
 
-/* A scene shows as structure inside the lenses that the mean micro-image has not. */
+/* 95 % point of the relative change of contrast from a lens to the next in its row. */
+static double unevenness(const plft_field *f)
+{
+    const int n = f->nx * f->ny;
+    double *v = malloc((size_t)n * sizeof *v), r;
+    int k, count = 0;
+
+    for (k = 0; v != NULL && k + 1 < n; k++) {
+        const plft_spot *s = &f->spot[k];
+        if (k % f->nx + 1 < f->nx && s[0].flags == 0 && s[1].flags == 0) {
+            v[count++] =
+                fabs((double)s[1].gain - s[0].gain) / ((double)s[1].gain + s[0].gain);
+        }
+    }
+    r = count > 0 ? plft_select(v, count, (int)(0.95 * (count - 1))) : 0.0;
+    free(v);
+    return r;
+}
+
+/* A scene shows as structure inside the lenses that the mean micro-image has not, or as
+ * changes from lens to lens. */
 static int is_scene(const plft_calib *c, const plft_grey *g)
 {
     const int total = c->field.nx * c->field.ny, step = total / 400 + 1;
@@ -271,7 +310,8 @@ static int is_scene(const plft_calib *c, const plft_grey *g)
             structure(c, g, &c->field.spot[k], &cov, &n);
         }
     }
-    return n > 0.0 && cov > 0.0 && sqrt(cov / n) > 0.1 * c->peak;
+    return (n > 0.0 && cov > 0.0 && sqrt(cov / n) > 0.1 * c->peak) ||
+           unevenness(&c->field) > 0.08;
 }
 
 static double q12(double v)
@@ -281,7 +321,7 @@ static double q12(double v)
 
 /* Centres for the table: the lattice; its distortion where that reaches 0.004 px; a
  * lens' own deviation, shrunk by its noise, where such deviations are real. */
-static int finish_centres(plft_calib *c, const plft_grey *g)
+static int finish_centres(plft_calib *c)
 {
     const plft_field *f = &c->field;
     const double sigma = quantile(f, get_sigma, 0.5);
@@ -320,7 +360,6 @@ static int finish_centres(plft_calib *c, const plft_grey *g)
             c->final[k] = p;
         }
     }
-    (void)g;
     return 0;
 }
 
@@ -367,7 +406,11 @@ int plft_calib_finish(plft_calib *c, const plft_grey *g, const plft_calib_option
 
     c->peak = bank->peak;
     c->input = is_scene(c, g) ? PLFT_INPUT_SCENE : PLFT_INPUT_WHITE;
-    flag_lenses(&c->field, best);
+    if (c->input == PLFT_INPUT_SCENE) {
+        flag_scene(c, g);
+    } else {
+        flag_lenses(&c->field, best);
+    }
     if (cut_field(c, g) != 0 || refit(c) != 0) {
         return -1;
     }
@@ -376,7 +419,7 @@ int plft_calib_finish(plft_calib *c, const plft_grey *g, const plft_calib_option
     c->match = quantile(&c->field, get_match, 0.5);
     c->noise = quantile(&c->field, get_rms, 0.5) / 65535.0;
     c->level = best * c->peak / 65535.0;
-    if (finish_centres(c, g) != 0) {
+    if (finish_centres(c) != 0) {
         return -1;
     }
     count_flags(c, g);

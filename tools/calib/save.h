@@ -18,6 +18,12 @@ typedef struct plft_saved {
  * message. */
 int plft_saved_init(plft_saved *saved, const plft_calib *calib, const plft_grey *grey);
 
+/* White gains from a frame of a uniform scene, of the table's size: the micro-image
+ * of each of up to 8 x 8 zones at whole-pixel offsets, and one factor a lens. Gain 1
+ * is the level of the brightest twentieth of the lenses.  0, or PLFT_DATA with a
+ * message. */
+int plft_saved_gain(plft_saved *saved, const plft_calib *calib, const plft_grey *white);
+
 /* Write it, and open what was written to check it.  0, or PLFT_DATA with a message. */
 int plft_saved_write(const plft_saved *saved, const char *path, size_t *bytes);
 
