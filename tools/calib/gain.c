@@ -52,7 +52,7 @@ static double light(const work *w, int lens, double u, double v)
 static double lens_level(const work *w, int lens)
 {
     const double radius = w->c->usable_radius, step = fmax(1.0, radius / 3.0);
-    double sum = 0.0, n = 0.0, u, v;
+    double sum = 0.0, n = 0.0, all = 0.0, u, v;
 
     if ((w->c->field.spot[lens].flags & PLFX_LENS_MISSING) != 0u) {
         return 0.0;
@@ -63,15 +63,15 @@ static double lens_level(const work *w, int lens)
             if (u * u + v * v > radius * radius) {
                 continue;
             }
+            all += 1.0;
             l = light(w, lens, u, v);
-            if (l < 0.0) {
-                return 0.0;
+            if (l >= 0.0) {
+                sum += l;
+                n += 1.0;
             }
-            sum += l;
-            n += 1.0;
         }
     }
-    return n > 0.0 ? sum / n : 0.0;
+    return 3.0 * n >= all && n > 0.0 ? sum / n : 0.0;
 }
 
 static void add_profile(work *w, int lens, size_t zone)
