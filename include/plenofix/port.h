@@ -55,8 +55,8 @@ typedef struct plfx_camera_cfg {
     uint32_t packet_size; /* bytes on the wire; 0: the port's choice */
 } plfx_camera_cfg;
 
-typedef struct plfx_frame {
-    plfx_raw raw;      /* inside the pool; valid until it is released */
+typedef struct plfx_camera_frame {
+    plfx_raw raw;      /* valid until released; in the pool, or in a driver's memory */
     uint64_t time_ns;  /* middle of the exposure where known, else of arrival */
     uint8_t clock;     /* plfx_clock_id of time_ns */
     uint8_t bayer;     /* plfx_bayer */
@@ -64,7 +64,7 @@ typedef struct plfx_frame {
     int32_t rows;      /* rows present: raw.h, or fewer from a camera with `rows` */
     uint32_t sequence; /* the camera's frame counter, widened: it never repeats */
     uint32_t dropped;  /* frames lost or thrown away since the frame before this one */
-} plfx_frame;
+} plfx_camera_frame;
 
 /* What went wrong so far, all since `start`. */
 typedef struct plfx_camera_count {
@@ -83,13 +83,14 @@ typedef struct plfx_camera {
     plfx_status (*open)(void *context, plfx_camera_cfg *cfg, const plfx_pool *pool);
     plfx_status (*start)(void *context);
     /* The next whole frame.  E_TIMEOUT: none in time; E_DEVICE: the camera is gone. */
-    plfx_status (*acquire)(void *context, uint32_t timeout_ms, plfx_frame *frame);
+    plfx_status (*acquire)(void *context, uint32_t timeout_ms,
+                           plfx_camera_frame *frame);
     /* May be NULL.  Else acquire may return when a frame begins, and this waits
      * until its first `want` rows are present and sets frame->rows.  E_FORMAT: the
      * frame turned out broken; what was made of it must be dropped. */
-    plfx_status (*rows)(void *context, plfx_frame *frame, int32_t want,
+    plfx_status (*rows)(void *context, plfx_camera_frame *frame, int32_t want,
                         uint32_t timeout_ms);
-    plfx_status (*release)(void *context, const plfx_frame *frame);
+    plfx_status (*release)(void *context, const plfx_camera_frame *frame);
     plfx_status (*stop)(void *context);
     void (*count)(void *context, plfx_camera_count *count);
     void (*close)(void *context); /* after this the pool is the caller's again */

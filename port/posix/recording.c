@@ -110,7 +110,7 @@ static plfx_status take_header(plfx_recording *r)
                : PLFX_E_FORMAT;
 }
 
-static void put_head(uint8_t *b, const plfx_recording *r, const plfx_frame *f)
+static void put_head(uint8_t *b, const plfx_recording *r, const plfx_camera_frame *f)
 {
     memset(b, 0, HEAD);
     memcpy(b, head_magic, sizeof head_magic);
@@ -126,7 +126,7 @@ static void put_head(uint8_t *b, const plfx_recording *r, const plfx_frame *f)
 }
 
 /* Head of record i into *f, CRC of its payload into *crc. */
-static plfx_status take_head(plfx_recording *r, uint64_t i, plfx_frame *f,
+static plfx_status take_head(plfx_recording *r, uint64_t i, plfx_camera_frame *f,
                              uint32_t *crc)
 {
     uint8_t b[HEAD];
@@ -160,7 +160,7 @@ static plfx_status take_head(plfx_recording *r, uint64_t i, plfx_frame *f,
 static plfx_status check_record(plfx_recording *r, uint64_t i)
 {
     uint8_t part[CHUNK];
-    plfx_frame f;
+    plfx_camera_frame f;
     uint32_t want;
     uint32_t crc = 0;
     uint32_t done;
@@ -291,14 +291,14 @@ static plfx_status write_at(plfx_recording *r, uint64_t at, struct iovec *part, 
     return PLFX_OK;
 }
 
-static int fits(const plfx_recording *r, const plfx_frame *f)
+static int fits(const plfx_recording *r, const plfx_camera_frame *f)
 {
     return f->raw.bytes && f->raw.w == r->info.w && f->raw.h == r->info.h &&
            f->raw.format == r->info.format && f->raw.bits == r->info.bits &&
            f->raw.size >= r->payload && f->rows >= f->raw.h;
 }
 
-plfx_status plfx_recording_add(plfx_recording *r, const plfx_frame *frame)
+plfx_status plfx_recording_add(plfx_recording *r, const plfx_camera_frame *frame)
 {
     static const uint8_t zeros[BLOCK] = {0};
     uint8_t head[HEAD];
@@ -342,10 +342,10 @@ plfx_status plfx_recording_sync(plfx_recording *r)
 }
 
 plfx_status plfx_recording_read(plfx_recording *r, uint64_t i, uint8_t *bytes, size_t n,
-                                plfx_frame *frame)
+                                plfx_camera_frame *frame)
 {
     plfx_status status;
-    plfx_frame f;
+    plfx_camera_frame f;
     uint32_t crc;
 
     if (!r || r->file < 0 || !frame || i >= r->count) {

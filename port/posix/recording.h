@@ -47,7 +47,7 @@ plfx_status plfx_recording_open(plfx_recording *r, const char *path,
  * what was written of it is cut off again and earlier frames stay.
  * PLFX_OK, PLFX_E_ARG, PLFX_E_STATE (not writable), PLFX_E_IO. */
 plfx_status plfx_recording_add(plfx_recording *r,
-                               const plfx_frame *frame) PLFX_MUST_USE;
+                               const plfx_camera_frame *frame) PLFX_MUST_USE;
 
 /* Wait until all records are on the medium.  PLFX_OK, PLFX_E_IO, PLFX_E_STATE. */
 plfx_status plfx_recording_sync(plfx_recording *r) PLFX_MUST_USE;
@@ -56,7 +56,7 @@ plfx_status plfx_recording_sync(plfx_recording *r) PLFX_MUST_USE;
  * frame->raw.bytes is `bytes`.  PLFX_OK, PLFX_E_ARG (i), PLFX_E_SIZE (n under payload),
  * PLFX_E_IO, PLFX_E_FORMAT (damaged). */
 plfx_status plfx_recording_read(plfx_recording *r, uint64_t i, uint8_t *bytes, size_t n,
-                                plfx_frame *frame) PLFX_MUST_USE;
+                                plfx_camera_frame *frame) PLFX_MUST_USE;
 
 /* Ask the system to fetch records i .. i+n-1 ahead of time. */
 void plfx_recording_ahead(const plfx_recording *r, uint64_t i, uint64_t n);

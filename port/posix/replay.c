@@ -106,7 +106,7 @@ static plfx_status replay_start(void *context)
 }
 
 /* Head of the frame to play. */
-static plfx_status head(plfx_replay *r, plfx_frame *f)
+static plfx_status head(plfx_replay *r, plfx_camera_frame *f)
 {
     if (!r->bare) {
         return plfx_recording_read(&r->record, r->next, NULL, 0, f);
@@ -126,7 +126,7 @@ static plfx_status head(plfx_replay *r, plfx_frame *f)
 }
 
 /* Wait until the frame is due; a time that steps back restarts the measure. */
-static plfx_status pace(plfx_replay *r, const plfx_frame *f, uint32_t timeout_ms)
+static plfx_status pace(plfx_replay *r, const plfx_camera_frame *f, uint32_t timeout_ms)
 {
     uint64_t now;
     uint64_t due;
@@ -186,10 +186,10 @@ static plfx_status fetch(plfx_replay *r, uint64_t i, uint8_t *bytes, size_t from
 }
 
 /* The payload of the frame to play: all of it, or none yet. */
-static plfx_status body(plfx_replay *r, plfx_frame *f)
+static plfx_status body(plfx_replay *r, plfx_camera_frame *f)
 {
     uint8_t *bytes = r->pool.bytes + (size_t)f->slot * r->pool.slot_size;
-    plfx_frame whole;
+    plfx_camera_frame whole;
     plfx_status status;
 
     f->raw.bytes = bytes;
@@ -204,7 +204,7 @@ static plfx_status body(plfx_replay *r, plfx_frame *f)
     return status;
 }
 
-static void account(plfx_replay *r, plfx_frame *f)
+static void account(plfx_replay *r, plfx_camera_frame *f)
 {
     if (r->count.good > 0 || f->dropped > 0) {
         r->count.missed += f->dropped;
@@ -217,10 +217,11 @@ static void account(plfx_replay *r, plfx_frame *f)
     r->taken[f->slot] = (uint8_t)(1 + r->next % 255u);
 }
 
-static plfx_status replay_acquire(void *context, uint32_t timeout_ms, plfx_frame *frame)
+static plfx_status replay_acquire(void *context, uint32_t timeout_ms,
+                                  plfx_camera_frame *frame)
 {
     plfx_replay *r = context;
-    plfx_frame f;
+    plfx_camera_frame f;
     plfx_status status;
 
     if (!r->running || !frame) {
@@ -267,13 +268,13 @@ static size_t bytes_of(const plfx_raw *raw, int32_t rows)
     return rows >= raw->h || n > raw->size ? raw->size : n;
 }
 
-static plfx_status replay_rows(void *context, plfx_frame *f, int32_t want,
+static plfx_status replay_rows(void *context, plfx_camera_frame *f, int32_t want,
                                uint32_t timeout_ms)
 {
     plfx_replay *r = context;
     uint8_t *bytes;
     uint64_t i = r->next - 1u;
-    plfx_frame whole;
+    plfx_camera_frame whole;
     plfx_status status;
 
     (void)timeout_ms;
@@ -298,7 +299,7 @@ static plfx_status replay_rows(void *context, plfx_frame *f, int32_t want,
     return status;
 }
 
-static plfx_status replay_release(void *context, const plfx_frame *frame)
+static plfx_status replay_release(void *context, const plfx_camera_frame *frame)
 {
     plfx_replay *r = context;
 

@@ -31,9 +31,9 @@ static plfx_recording_info info_of(void)
 }
 
 /* Frame k: bytes, time and numbers that tell it from others. */
-static plfx_frame frame_of(uint32_t k)
+static plfx_camera_frame frame_of(uint32_t k)
 {
-    plfx_frame f;
+    plfx_camera_frame f;
     size_t i;
 
     memset(&f, 0, sizeof f);
@@ -63,7 +63,7 @@ static void record(const char *path, uint32_t n)
     (void)unlink(path);
     assert_int_equal(plfx_recording_create(&r, path, &info), PLFX_OK);
     for (k = 0; k < n; k++) {
-        plfx_frame f = frame_of(k);
+        plfx_camera_frame f = frame_of(k);
         assert_int_equal(plfx_recording_add(&r, &f), PLFX_OK);
     }
     assert_int_equal(plfx_recording_sync(&r), PLFX_OK);
@@ -74,8 +74,8 @@ static void record(const char *path, uint32_t n)
 static void check(plfx_recording *r, uint32_t k)
 {
     uint8_t back[PAYLOAD];
-    plfx_frame f;
-    plfx_frame want = frame_of(k);
+    plfx_camera_frame f;
+    plfx_camera_frame want = frame_of(k);
 
     assert_int_equal(plfx_recording_read(r, k, back, sizeof back, &f), PLFX_OK);
     assert_memory_equal(back, pixels, PAYLOAD);
@@ -139,7 +139,7 @@ static void cut_files_are_good_to_the_last_whole_frame(void **state)
         uint32_t whole = size < 4096 + 64 + PAYLOAD
                              ? 0u
                              : 1u + (uint32_t)(size - 4096 - 64 - PAYLOAD) / 1024u;
-        plfx_frame f;
+        plfx_camera_frame f;
         if (size == 4096 + 3 * 1024 || size % 16 == 0) {
             record(path, 3);
         }
@@ -181,7 +181,7 @@ static void damage_is_found_wherever_it_is(void **state)
     char path[128];
     uint8_t back[PAYLOAD];
     plfx_recording r;
-    plfx_frame f;
+    plfx_camera_frame f;
     long k;
 
     (void)state;
@@ -217,7 +217,7 @@ static void full_disk_keeps_what_was_recorded(void **state)
     struct rlimit was;
     struct rlimit now;
     plfx_recording r;
-    plfx_frame f;
+    plfx_camera_frame f;
     uint32_t k;
 
     (void)state;
@@ -247,7 +247,7 @@ static void wrong_calls_are_refused(void **state)
     plfx_recording_info info = info_of();
     uint8_t back[PAYLOAD];
     plfx_recording r;
-    plfx_frame f = frame_of(0);
+    plfx_camera_frame f = frame_of(0);
 
     (void)state;
     record(scratch("e"), 1);
@@ -281,7 +281,7 @@ static void recorder(const char *path, int tell)
 {
     static uint8_t big[KW * KH];
     plfx_recording_info info = {KW, KH, PLFX_RAW_U8, 8, 0, 0, 0};
-    plfx_frame f = frame_of(0);
+    plfx_camera_frame f = frame_of(0);
     plfx_recording r;
     uint32_t k;
 
@@ -344,7 +344,7 @@ static uint32_t lost_after_kill(const char *path, long delay_us, uint64_t *kept)
         return synced;
     }
     for (n = 0; n < synced; n++) {
-        plfx_frame f;
+        plfx_camera_frame f;
         lost += plfx_recording_read(&r, n, back, sizeof back, &f) != PLFX_OK ||
                 f.sequence != n || back[5] != (n & 255u);
     }

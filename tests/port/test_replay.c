@@ -50,7 +50,7 @@ static void record(const char *path, const uint64_t *times_ms, uint32_t n)
     plfx_recording_info info = {W, H, PLFX_RAW_U8, 8, 0, 0, 0};
     uint8_t pixels[PAYLOAD];
     plfx_recording r;
-    plfx_frame f;
+    plfx_camera_frame f;
     uint32_t k;
 
     (void)unlink(path);
@@ -92,7 +92,7 @@ static void frames_come_in_their_own_time(void **state)
     static const uint64_t due[] = {0, 40, 80, 80, 120}; /* the clock jumps back at 3 */
     plfx_camera_count count;
     plfx_replay r;
-    plfx_frame f;
+    plfx_camera_frame f;
     uint32_t k;
 
     (void)state;
@@ -118,7 +118,7 @@ static void waiting_ends_at_the_timeout(void **state)
 {
     static const uint64_t times[] = {0, 500};
     plfx_replay r;
-    plfx_frame f;
+    plfx_camera_frame f;
 
     (void)state;
     record(scratch("b"), times, 2);
@@ -138,7 +138,7 @@ static void taken_slots_are_not_given_again(void **state)
     static const uint64_t times[] = {0, 0, 0, 0};
     plfx_camera_count count;
     plfx_replay r;
-    plfx_frame f[3];
+    plfx_camera_frame f[3];
 
     (void)state;
     record(scratch("c"), times, 4);
@@ -161,7 +161,7 @@ static void bands_arrive_row_by_row(void **state)
 {
     static const uint64_t times[] = {0, 1};
     plfx_replay r;
-    plfx_frame f;
+    plfx_camera_frame f;
     int file;
 
     (void)state;
@@ -194,7 +194,7 @@ static void damaged_frames_are_counted_not_shown(void **state)
     static const uint64_t times[] = {0, 0, 0};
     plfx_camera_count count;
     plfx_replay r;
-    plfx_frame f;
+    plfx_camera_frame f;
     int file;
 
     (void)state;
@@ -218,7 +218,7 @@ static void bare_files_play_too(void **state)
     plfx_camera_cfg cfg;
     plfx_pool pool = pool_of(3);
     plfx_replay r;
-    plfx_frame f;
+    plfx_camera_frame f;
     uint8_t two[2 * PAYLOAD];
     int k;
 
@@ -255,7 +255,7 @@ static void bad_cameras_are_refused(void **state)
     plfx_camera_cfg cfg;
     plfx_pool pool = pool_of(2);
     plfx_replay r;
-    plfx_frame f;
+    plfx_camera_frame f;
 
     (void)state;
     memset(&cfg, 0, sizeof cfg);
