@@ -12,11 +12,15 @@ plft_command plft_cmd_check;
 plft_command plft_cmd_depth;
 plft_command plft_cmd_devices;
 plft_command plft_cmd_evaluate;
+plft_command plft_cmd_grab;
 plft_command plft_cmd_help;
 plft_command plft_cmd_import_centres;
 plft_command plft_cmd_info;
 plft_command plft_cmd_optics;
 plft_command plft_cmd_refocus;
+plft_command plft_cmd_live;
+plft_command plft_cmd_record;
+plft_command plft_cmd_replay;
 plft_command plft_cmd_simulate;
 plft_command plft_cmd_views;
 
