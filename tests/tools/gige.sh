@@ -1,0 +1,70 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# grab, record and live from a GigE Vision camera that serves a simulated frame.
+# usage: gige.sh PLENOFIX SERVE CAMERA.xml
+set -eu
+plenofix=$(realpath "$1") serve=$(realpath "$2") xml=$(realpath "$3")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir"
+cat >s.json <<'JSON'
+{"seed": 4, "rays": 1, "frames": ["scene"],
+ "camera": {"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [24, 18]},
+ "sensor": {"bits": 12, "full_well_e": 30000},
+ "objects": [{"type": "plane", "z_mm": 560}]}
+JSON
+"$plenofix" simulate s.json -o s >/dev/null
+size=$(od -An -tu1 -j16 -N8 s/scene.png | awk '{print $3*256+$4 "x" $7*256+$8}')
+pixels=$((${size%x*} * ${size#*x}))
+"$plenofix" import-centres s/centres.csv --size "$size" --bits 12 -o t.plut >/dev/null
+
+# The bare frame, 16 bits a pixel, out of a recording of one.
+"$plenofix" record s/scene.png --bits 12 -o f.plxr >/dev/null
+tail -c +$((4096 + 64 + 1)) f.plxr | head -c $((2 * pixels)) >f.raw
+
+run() { # LOST COMMAND...
+    lost=$1
+    shift
+    "$serve" "$xml" f.raw "$size" 0x01100007 "$lost" "$plenofix" "$@"
+}
+
+status=0
+run 0 grab gige -o g.png >log || status=$?
+[ "$status" != 77 ] || { cat log; exit 77; }
+[ "$status" = 0 ]
+
+# Served frame -> map is file -> map, to the bit, by both ways.
+for f in g.png s/scene.png; do
+    "$plenofix" depth "$f" --bits 12 --lut t.plut --slopes -0.1:0.1:21 -o "$(basename "$f").pfm" \
+        >/dev/null
+done
+cmp g.png.pfm scene.png.pfm
+live="--lut t.plut --slopes -0.1:0.1:21 --window 5"
+# shellcheck disable=SC2086
+run 0 live gige $live --frames 3 --pfm c.pfm -o c.png >log
+[ "$(grep -c measured log)" = 3 ]
+# shellcheck disable=SC2086
+"$plenofix" live f.raw --size "$size" --format u16 $live --pfm f.pfm >/dev/null
+cmp c.pfm f.pfm
+
+# Lost packets: whole frames alone are recorded, the rest is named.
+run 0.002 record gige --packet 1400 --frames 12 -o r.plxr >log 2>err
+grep -q "12 frames recorded" log
+grep -q "12 frames good, [1-9][0-9]* incomplete" err
+"$plenofix" replay r.plxr --speed 0 -o r.png >log
+for k in 00 05 11; do
+    cmp g.png "r_00$k.png"
+done
+
+status=0
+run 0 grab gige:nobody -o x.png 2>err || status=$?
+[ "$status" = 1 ] && grep -q "gige:nobody cannot be opened" err
+status=0
+run 0 grab gige --format csi10 -o x.png 2>err || status=$?
+[ "$status" = 1 ] && grep -q "cannot be set as wished" err
+status=0
+run 0 live gige --size 40x40 --lut t.plut --slopes -0.1:0.1:21 2>err || status=$?
+[ "$status" = 1 ] && grep -q "is for $size pixels" err
+[ ! -e x.png ]
+echo "gige: all as it should be"
