@@ -101,6 +101,11 @@ static int fits(const job *j, const plft_camera *c, const request *r)
 {
     const plfx_lut *t = &j->table.lut;
 
+    if (c->camera_id && t->camera_id && c->camera_id != t->camera_id) {
+        return plft_fail(PLFT_DATA, "%s is of camera %08x, %s was taken by %08x",
+                         r->lut, (unsigned)t->camera_id, c->name,
+                         (unsigned)c->camera_id);
+    }
     if (t->sensor_w == c->cfg.w && t->sensor_h == c->cfg.h) {
         return 0;
     }

@@ -270,6 +270,9 @@ int plft_camera_start(plft_camera *c, const plft_wish *wish)
         plft_camera_stop(c);
         return rc;
     }
+    if (c->ends && !is_picture(c->name)) {
+        c->camera_id = ((const any_camera *)c->state)->replay.record.info.camera_id;
+    }
     interrupted = 0;
     (void)signal(SIGINT, on_interrupt);
     return 0;

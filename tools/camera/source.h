@@ -28,7 +28,8 @@ typedef struct plft_camera {
     plfx_camera_cfg cfg;
     plfx_pool pool;
     const char *name;
-    int ends; /* 1: a file, whose end is no failure */
+    int ends;           /* 1: a file, whose end is no failure */
+    uint32_t camera_id; /* noted in a recording; 0: none */
 
     void *memory, *state; /* private */
 } plft_camera;
