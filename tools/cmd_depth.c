@@ -112,20 +112,39 @@ static void fill_cfg(const request *r, job *j)
     c->unique_u16 = (uint16_t)lround(r->unique * 65535.0);
 }
 
-/* Slopes are looked for in the views that will be matched. */
-static int search(const request *r, job *j)
+/* Views in which slopes are looked for: those that will be matched; for a single pair,
+ * which a repeating pattern fools, the rings of the plenoptic method. */
+static int search_views(const request *r, job *j, plfx_cfg *cfg)
 {
-    plfx_cfg views = j->cfg, cfg = j->cfg;
+    plfx_cfg views = j->cfg;
+    plft_views_wish wish;
     plft_preset preset;
-    int rc = 0;
+    int n = 0, rc;
 
     if (r->preset != NOT_GIVEN) {
         memset(&preset, 0, sizeof preset);
         preset.id = r->preset;
         rc = plft_preset_cfg(&preset, &j->field, r->wish.radius, &views);
-        memcpy(cfg.at, views.at, sizeof cfg.at);
-        cfg.n = views.n;
+    } else if (r->wish.method == PLFT_BINOCULAR) {
+        memset(&wish, 0, sizeof wish);
+        wish.method = PLFT_PLENOPTIC;
+        wish.radius = r->wish.radius;
+        wish.u_only = r->axes;
+        rc = plft_arrange(&j->field, &wish, views.at, &n);
+        views.n = (uint8_t)n;
+    } else {
+        return 0;
     }
+    memcpy(cfg->at, views.at, sizeof cfg->at);
+    cfg->n = views.n;
+    return rc;
+}
+
+static int search(const request *r, job *j)
+{
+    plfx_cfg cfg = j->cfg;
+    int rc = search_views(r, j, &cfg);
+
     return rc != 0 ? rc
                    : plft_find_slopes(&j->field, &cfg, &j->lo, &j->hi, &j->labels,
                                       &j->times);
@@ -199,7 +218,7 @@ static int prepare(request *r, job *j)
     r->window = r->window != 0 ? r->window : plft_own_window(&j->field);
     if (rc == 0 && r->texture < 0.0) {
         rc = plft_find_texture(&j->field, r->axes || r->wish.method == PLFT_BINOCULAR,
-                               r->window, &r->texture);
+                               &r->texture);
     }
     plft_field_rescale(&j->field, j->found ? 12.0 : fmax(fabs(j->lo), fabs(j->hi)));
     r->wish.u_only = r->axes;

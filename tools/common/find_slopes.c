@@ -116,11 +116,11 @@ static int labels_for(double span, double r)
     return n < LABELS_LO ? LABELS_LO : n > LABELS_HI ? LABELS_HI : n;
 }
 
-/* Share of the fairly confident samples within a label of `end`. */
+/* Share of the confident samples within a label of `end`. */
 static double crowd(const plfx_map *map, double end, double label)
 {
     size_t n = (size_t)map->w * (size_t)map->h, i, m = 0, near = 0;
-    uint16_t least = (uint16_t)(middle(map, n) / 2);
+    uint16_t least = middle(map, n);
 
     for (i = 0; i < n; i++) {
         if (map->slope_q16[i] != PLFX_SLOPE_NONE && map->conf_u16[i] >= least &&
