@@ -212,6 +212,7 @@ plfx_status plfx_frame_derive(plfx_frame_state *s, const plfx_plan *plan,
     }
     s->plan = plan;
     s->cfg = *cfg;
+    s->smooth = cfg->noise_q4 >= SMOOTH_FROM_Q4;
     adapt(&s->cfg);
     s->nx = plan->nx;
     s->ny = plan->ny;
@@ -312,7 +313,6 @@ static void load_row(const plfx_frame_state *s, const plfx_views *views, int32_t
     const uint16_t *in = raw_row(views, k, y);
     const uint16_t *above = raw_row(views, k, y - 1);
     const uint16_t *below = raw_row(views, k, y + 1);
-    int32_t smooth = s->cfg.noise_q4 >= SMOOTH_FROM_Q4;
     uint16_t *out =
         s->sample + ((size_t)y * (size_t)s->n + (size_t)k) * (size_t)s->stride;
     int32_t up = 12 - s->plan->cfg.bits;
@@ -321,7 +321,7 @@ static void load_row(const plfx_frame_state *s, const plfx_views *views, int32_t
 
     for (x = 0; x < s->nx; x++) {
         uint32_t v = in[x] < top ? in[x] : top;
-        if (smooth) {
+        if (s->smooth) {
             uint32_t a = above[x] < top ? above[x] : top;
             uint32_t b = below[x] < top ? below[x] : top;
             out[s->pad + x] = (uint16_t)((((a + 2 * v + b) << up) + 2) >> 2);
@@ -329,7 +329,7 @@ static void load_row(const plfx_frame_state *s, const plfx_views *views, int32_t
             out[s->pad + x] = (uint16_t)(v << up);
         }
     }
-    if (smooth) {
+    if (s->smooth) {
         smooth_row(out + s->pad, s->nx);
     }
     for (x = 0; x < s->pad; x++) {

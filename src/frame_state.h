@@ -9,6 +9,7 @@
 typedef struct plfx_frame_state {
     const plfx_plan *plan;
     plfx_frame_cfg cfg;
+    int32_t smooth; /* views are smoothed first */
     int32_t nx, ny, n, labels;
     int32_t pad, stride; /* of a padded row */
     int8_t *arm_of;      /* [n], -1: not used */

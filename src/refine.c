@@ -17,6 +17,7 @@
 
 #define RESIDUAL_FLOOR 819 /* q8 of 12-bit counts: (0.11 grey levels)^2 */
 #define TUKEY_STEPS    256
+#define DISSENT_MAX    (1 << 26) /* squared and summed over 225 pixels: under 2^60 */
 #define OUTSIDE        (1 << 24)
 
 typedef struct sums {
@@ -293,24 +294,35 @@ static void sum_row(const plfx_frame_state *s, const scratch *t, const int32_t *
     }
 }
 
-/* Window of pixel (x,y): gated sums; b in q16 columns times A. */
-static sums gather(const plfx_frame_state *s, const scratch *t, const int32_t *e,
-                   int32_t x, int32_t y)
+typedef struct window {
+    int32_t x0, x1, y0, y1;
+} window;
+
+static window window_of(const plfx_frame_state *s, int32_t x, int32_t y)
 {
     int32_t r = s->cfg.window / 2;
-    int32_t x0 = plfx_max_i32(x - r, 0);
-    int32_t x1 = plfx_min_i32(x + r, s->nx - 1);
-    int32_t y1 = plfx_min_i32(y + r, s->ny - 1);
+    window w;
+
+    w.x0 = plfx_max_i32(x - r, 0);
+    w.x1 = plfx_min_i32(x + r, s->nx - 1);
+    w.y0 = plfx_max_i32(y - r, 0);
+    w.y1 = plfx_min_i32(y + r, s->ny - 1);
+    return w;
+}
+
+/* Gated sums of a window; b in q16 columns times A. */
+static sums gather(const plfx_frame_state *s, const scratch *t, const int32_t *e,
+                   window w, int32_t here)
+{
     int32_t gate = s->cfg.gate_q8 * 256;
-    int32_t here = e[(size_t)y * (size_t)s->nx + (size_t)x];
     sums total = {0, 0, 0, 0, 0};
     int32_t yy;
     int32_t xx;
 
-    for (yy = plfx_max_i32(y - r, 0); yy <= y1; yy++) {
+    for (yy = w.y0; yy <= w.y1; yy++) {
         const sums *row = ring_row(s, t, yy);
         const int32_t *there = e + (size_t)yy * (size_t)s->nx;
-        for (xx = x0; xx <= x1; xx++) {
+        for (xx = w.x0; xx <= w.x1; xx++) {
             int32_t d = there[xx] - here;
             if (d >= gate || d <= -gate) {
                 continue;
@@ -325,30 +337,99 @@ static sums gather(const plfx_frame_state *s, const scratch *t, const int32_t *e
     return total;
 }
 
+/* Gauss-Newton step, q16 columns, from the window's sums. */
 static int32_t step_of(const plfx_frame_state *s, const sums *t, int64_t lambda)
 {
     int32_t most = s->cfg.clamp_q8 * 256;
-    int64_t den = t->a + lambda;
-    int64_t d = den > 0 ? plfx_div_round_i64(t->b, den) : 0;
+    int64_t d = plfx_div_round_i64(t->b, t->a + lambda);
 
     return (int32_t)(d > most ? most : d < -most ? -most : d);
 }
 
-static void finish_pixel(const plfx_frame_state *s, const sums *t, size_t at, int32_t e,
-                         int32_t *out)
+/* Noise over the information prior: q8 -> q4, q24 of 1/prior^2; at least 1. */
+static int64_t damping(const plfx_frame_state *s, const sums *t)
 {
     int64_t prior2 = (int64_t)s->cfg.prior_q12 * s->cfg.prior_q12;
     int64_t mean_q8 = t->n > 0 ? t->r / t->n : 0; /* mean w r^2 / 256: q8 */
     int64_t lambda;
-    uint64_t var;
 
     mean_q8 = mean_q8 < RESIDUAL_FLOOR ? RESIDUAL_FLOOR : mean_q8;
-    lambda = (mean_q8 << 20) / prior2; /* q8 -> q4, q24 of 1/prior^2 */
-    *out = e + step_of(s, t, lambda);
-    /* variance of e, q32 columns: mean_q8/256 / ((a + lambda)/16) */
-    var = ((uint64_t)mean_q8 << 28) / (uint64_t)(t->a + lambda);
-    s->sigma[at] = plfx_frame_sigma(s, plfx_isqrt_u64(var));
-    if (t->w < t->n * 160) {
+    lambda = (mean_q8 << 20) / prior2;
+    return lambda < 1 ? 1 : lambda;
+}
+
+/* What pixel q says against the window's step: A (e(q) - e(p) - step) - B, columns, q4,
+ * squared. */
+static uint64_t dissent(const sums *q, int32_t d, int32_t step)
+{
+    int64_t t = plfx_asr_i64(q->a * (d - step) - q->b * 16384, 16);
+
+    t = t > DISSENT_MAX ? DISSENT_MAX : t < -DISSENT_MAX ? -DISSENT_MAX : t;
+    return (uint64_t)(t * t);
+}
+
+/* Sum of squares over the window: it holds noise and misfit alike. */
+static uint64_t scatter(const plfx_frame_state *s, const scratch *t, const int32_t *e,
+                        window w, int32_t here, int32_t step)
+{
+    int32_t gate = s->cfg.gate_q8 * 256;
+    uint64_t sum = 0;
+    int32_t yy;
+    int32_t xx;
+
+    for (yy = w.y0; yy <= w.y1; yy++) {
+        const sums *row = ring_row(s, t, yy);
+        const int32_t *there = e + (size_t)yy * (size_t)s->nx;
+        for (xx = w.x0; xx <= w.x1; xx++) {
+            int32_t d = there[xx] - here;
+            if (d < gate && d > -gate) {
+                sum += dissent(row + xx, d, step);
+            }
+        }
+    }
+    return sum;
+}
+
+/* Standard error of e, q16 columns: sqrt(scatter + lambda^2 prior^2) / (A + lambda). */
+static uint32_t error_of(const plfx_frame_state *s, const sums *t, int64_t lambda,
+                         uint64_t sum)
+{
+    uint64_t root = plfx_isqrt_u64(sum);
+    uint64_t pull = ((uint64_t)lambda * s->cfg.prior_q12) >> 12;
+    uint64_t norm;
+
+    root = root > DISSENT_MAX ? DISSENT_MAX : root;
+    pull = pull > DISSENT_MAX ? DISSENT_MAX : pull;
+    norm = plfx_isqrt_u64(root * root + pull * pull); /* under 2^29 */
+    norm = (norm << 16) / (uint64_t)(t->a + lambda);
+    return norm > UINT32_MAX ? UINT32_MAX : (uint32_t)norm;
+}
+
+/* Widened, and raised where a rival is near: confidence under 0.6 (39322). */
+static uint32_t stated(const plfx_frame_state *s, uint32_t error_q16, uint16_t conf)
+{
+    uint64_t v = (uint64_t)error_q16 * s->cfg.widen_q4 >> 4;
+    uint32_t near_q8 = conf < 39322u ? (39322u - conf) * 256u / 39322u : 0u;
+
+    v = s->smooth ? v * 4u / 3u : v;
+    v += ((uint64_t)near_q8 * near_q8 * s->cfg.rival_q8) >> 8;
+    return v > UINT32_MAX ? UINT32_MAX : (uint32_t)v;
+}
+
+static void finish_pixel(const plfx_frame_state *s, const scratch *t, const int32_t *in,
+                         int32_t x, int32_t y, int32_t *out)
+{
+    size_t at = (size_t)y * (size_t)s->nx + (size_t)x;
+    window w = window_of(s, x, y);
+    sums total = gather(s, t, in, w, in[at]);
+    int64_t lambda = damping(s, &total);
+    int32_t step = step_of(s, &total, lambda);
+    uint32_t error;
+
+    out[at] = in[at] + step;
+    error = error_of(s, &total, lambda, scatter(s, t, in, w, in[at], step));
+    s->sigma[at] = plfx_frame_sigma(s, stated(s, error, s->conf[at]));
+    if (total.w < total.n * 160) {
         s->flags[at] |= PLFX_FLAG_OCCLUDED;
     }
 }
@@ -367,9 +448,7 @@ void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out)
             sum_row(s, &t, in, y);
         }
         for (x = 0; y >= r && x < s->nx; x++) {
-            size_t at = (size_t)(y - r) * (size_t)s->nx + (size_t)x;
-            sums total = gather(s, &t, in, x, y - r);
-            finish_pixel(s, &total, at, in[at], out + at);
+            finish_pixel(s, &t, in, x, y - r, out);
         }
     }
 }
