@@ -10,18 +10,19 @@
 
 #include "frame_state.h"
 
-static int ref_clamp(int v, int lo, int hi)
+static inline int ref_clamp(int v, int lo, int hi)
 {
     return v < lo ? lo : v > hi ? hi : v;
 }
 
-static int ref_sample(const plfx_frame_state *s, int k, int x, int y)
+static inline int ref_sample(const plfx_frame_state *s, int k, int x, int y)
 {
     return plfx_frame_row(s, k, ref_clamp(y, 0, s->ny - 1))[ref_clamp(x, 0, s->nx - 1)];
 }
 
 /* Bilinear in sixteenths, columns first, each step rounded half up. */
-static int ref_warped(const plfx_frame_state *s, int k, plfx_shift t, int x, int y)
+static inline int ref_warped(const plfx_frame_state *s, int k, plfx_shift t, int x,
+                             int y)
 {
     int h[2];
     int j;
@@ -35,19 +36,20 @@ static int ref_warped(const plfx_frame_state *s, int k, plfx_shift t, int x, int
     return (h[0] * (16 - t.fy_q4) + h[1] * t.fy_q4 + 8) / 16;
 }
 
-static int ref_diff(const plfx_frame_state *s, int k, plfx_shift t, int x, int y)
+static inline int ref_diff(const plfx_frame_state *s, int k, plfx_shift t, int x, int y)
 {
     x = ref_clamp(x, 0, s->nx - 1);
     y = ref_clamp(y, 0, s->ny - 1);
     return ref_warped(s, k, t, x, y) - ref_sample(s, s->plan->cfg.ref, x, y);
 }
 
-static int ref_min(int a, int b)
+static inline int ref_min(int a, int b)
 {
     return a < b ? a : b;
 }
 
-static int ref_view_cost(const plfx_frame_state *s, int k, plfx_shift t, int x, int y)
+static inline int ref_view_cost(const plfx_frame_state *s, int k, plfx_shift t, int x,
+                                int y)
 {
     int d = abs(ref_diff(s, k, t, x, y));
     int dx = abs(ref_diff(s, k, t, x + 1, y) - ref_diff(s, k, t, x - 1, y));
@@ -59,7 +61,7 @@ static int ref_view_cost(const plfx_frame_state *s, int k, plfx_shift t, int x, 
 }
 
 /* Scaled mean of arm a at a pixel. */
-static int ref_arm(const plfx_frame_state *s, int a, int label, int x, int y)
+static inline int ref_arm(const plfx_frame_state *s, int a, int label, int x, int y)
 {
     long sum = 0;
     int k;
@@ -75,13 +77,13 @@ static int ref_arm(const plfx_frame_state *s, int a, int label, int x, int y)
                  s->arm_shift[a]);
 }
 
-static int ref_by_value(const void *a, const void *b)
+static inline int ref_by_value(const void *a, const void *b)
 {
     return *(const int *)a - *(const int *)b;
 }
 
 /* 8-bit cost of a label before the 3x3 minimum. */
-static int ref_cost(const plfx_frame_state *s, int label, int x, int y)
+static inline int ref_cost(const plfx_frame_state *s, int label, int x, int y)
 {
     int box[PLFX_ARMS_MAX];
     int r = s->plan->cfg.window / 2;
@@ -112,7 +114,7 @@ static int ref_cost(const plfx_frame_state *s, int label, int x, int y)
     return ref_min(255, (int)(((long)sum * s->vol_mul) >> 16));
 }
 
-static int ref_volume(const plfx_frame_state *s, int label, int x, int y)
+static inline int ref_volume(const plfx_frame_state *s, int label, int x, int y)
 {
     int best = ref_cost(s, label, x, y);
     int i;
@@ -124,7 +126,7 @@ static int ref_volume(const plfx_frame_state *s, int label, int x, int y)
 }
 
 /* Path costs along (dx,dy) into out[ny][nx][labels]. */
-static void ref_path(const plfx_frame_state *s, int dx, int dy, int *out)
+static inline void ref_path(const plfx_frame_state *s, int dx, int dy, int *out)
 {
     int n = s->labels;
     int i;
@@ -166,8 +168,8 @@ static void ref_path(const plfx_frame_state *s, int dx, int dy, int *out)
 }
 
 /* Weighted median of a window by trying every value of the window. */
-static int ref_median(const plfx_frame_state *s, int window, const int *value, int x,
-                      int y)
+static inline int ref_median(const plfx_frame_state *s, int window, const int *value,
+                             int x, int y)
 {
     int r = window / 2;
     int h = s->cfg.similar_q4;
@@ -207,7 +209,7 @@ static int ref_median(const plfx_frame_state *s, int window, const int *value, i
 
 /* Least-squares taps as tests/bench/ls_kernel.py defines them, by normal equations with
  * two constraints: sum t = 1, sum k t = f. */
-static void ref_taps(int n, double f, double *taps)
+static inline void ref_taps(int n, double f, double *taps)
 {
     double m[8][9];
     double band = n == 4 ? 0.35 : 0.3;
@@ -258,7 +260,7 @@ static void ref_taps(int n, double f, double *taps)
 }
 
 /* View k at a real position by n taps an axis; NAN where the kernel leaves the view. */
-static double ref_value(const plfx_frame_state *s, int k, double x, double y)
+static inline double ref_value(const plfx_frame_state *s, int k, double x, double y)
 {
     double tx[8];
     double ty[8];
@@ -289,7 +291,7 @@ typedef struct ref_sums {
 } ref_sums;
 
 /* Information of one pixel at displacement e (columns of the widest view). */
-static ref_sums ref_pixel(const plfx_frame_state *s, double e, int x, int y)
+static inline ref_sums ref_pixel(const plfx_frame_state *s, double e, int x, int y)
 {
     const double d5[5] = {1. / 12, -8. / 12, 0, 8. / 12, -1. / 12};
     double limit = s->cfg.robust_q4;
