@@ -17,6 +17,7 @@
 #include "common/pfm.h"
 #include "common/progress.h"
 #include "sim/scene.h"
+#include "sim/sequence.h"
 #include "sim/trace.h"
 #include "sim/truth.h"
 
@@ -245,7 +246,8 @@ static int simulate(const char *file, const char *folder)
     }
     rc = make_folder(folder) || write_frames(&scene, folder) ||
                  write_truth(&scene, folder) || write_centres(&scene.cam, folder) ||
-                 write_optics(&scene.cam, folder) || write_resolved(&scene, folder)
+                 write_optics(&scene.cam, folder) || write_resolved(&scene, folder) ||
+                 (scene.motion.frames > 0 && plft_sequence_write(&scene, folder))
              ? PLFT_DATA
              : 0;
     plft_scene_free(&scene);
@@ -260,7 +262,8 @@ int plft_cmd_simulate(int argc, char **argv)
         "down),\nwhite.png, dark.png, scene.png (right-justified samples: give the "
         "other "
         "commands\n--bits as in the scene), slope.pfm, depth_mm.pfm, objects.png, "
-        "centres.csv,\noptics.json, scene_resolved.json."};
+        "centres.csv,\noptics.json, scene_resolved.json; a scene with motion also "
+        "frame_00000.png ... and\nmotion.csv."};
     const char *folder = NULL;
     const char *file = NULL;
     const plft_option options[] = {{"-o", PLFT_TEXT, &folder, "DIR", 0, 0,

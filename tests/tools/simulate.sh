@@ -50,6 +50,36 @@ scene ', "lattice": "hex", "dim": [[2, 3, 0.1], [4, 4, 0]], "stop_mm": [20, 14]'
 "$plenofix" simulate hex.json -o d
 [ -s d/scene.png ]
 
+# A sequence: frames, truth, the same bytes each run.
+wing() { # motion
+    cat <<JSON
+{"seed": 3, "rays": 1, "frames": [],
+ "camera": {"F_mm": 50, "focus_mm": 500, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [14, 8]},
+ "objects": [{"type": "wing", "at_mm": [0, 0, 500], "size_mm": [20, 12]},
+             {"type": "plane", "z_mm": 700}],
+ "motion": $1}
+JSON
+}
+wing '{"frames": 3, "rate_hz": 200, "exposure_s": 0.002, "blur_steps": 2,
+    "modes": [{"shape": "bend1", "hz": 6.2, "damping": 0.02, "damping_end": 0.005,
+               "tip_rms_mm": 1}, {"shape": "torsion", "hz": 30, "tip_rms_mm": 0.2}],
+    "shake_mm": 0.2, "shake_deg": 0.02, "flicker": 0.02, "stations": [[4, 10]]}' >w.json
+"$plenofix" simulate w.json -o w1
+"$plenofix" simulate w.json -o w2
+cmp w1/frame_00002.png w2/frame_00002.png
+cmp w1/motion.csv w2/motion.csv
+! cmp -s w1/frame_00000.png w1/frame_00002.png
+[ ! -e w1/scene.png ]
+[ "$(wc -l <w1/motion.csv)" = 4 ]
+grep -q '^frame,time_s,lamp,bend1_mm.*s0_w_mm,s0_col,s0_row,s0_slope$' w1/motion.csv
+wing '{"modes": [{"shape": "bend9", "hz": 6, "tip_rms_mm": 1}]}' >bad.json
+refused 1 'bend1|bend2|torsion' bad.json -o bad
+wing '{"stations": [[40, 1]]}' >bad.json
+refused 1 'names no lens' bad.json -o bad
+wing '{"rate_hz": 100, "exposure_s": 0.1}' >bad.json
+refused 1 '"exposure_s" must be' bad.json -o bad
+
 # Shot noise of small bright dots must not pass for damage: every lens is found.
 scene ', "rotation_deg": 0.12, "blur_px": 0.25' '' |
     sed 's/\[12, 9\]/[70, 40]/; s/"bits": 10/"bits": 12, "offset": 64/' |

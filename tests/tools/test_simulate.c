@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "sim/motion.h"
 #include "sim/rng.h"
 #include "sim/sensor.h"
 #include "sim/trace.h"
@@ -144,7 +145,7 @@ static void frame_has_its_slope(void **state)
     assert_int_equal(plft_texture_make(&texture, &desc, 0.25, 256), 0);
     for (k = 0; k < 3; k++) {
         plft_world world = plane(depth[k], &texture);
-        plft_trace t = {&cam, &world, cam.pupil_r, 2, 0, {1.0, 1.0, 1.0}};
+        plft_trace t = {&cam, &world, NULL, cam.pupil_r, 2, 0, {1.0, 1.0, 1.0}};
         double want = plft_camera_slope(&cam, depth[k]);
         double got;
         assert_int_equal(plft_trace_frame(&t, frame), 0);
@@ -173,7 +174,7 @@ static void micro_image_is_the_pupil(void **state)
     (void)state;
     for (hex = 0; hex < 2; hex++) {
         plft_camera cam = camera(hex);
-        plft_trace t = {&cam, NULL, 2.0, 1, 0, {1.0, 1.0, 1.0}};
+        plft_trace t = {&cam, NULL, NULL, 2.0, 1, 0, {1.0, 1.0, 1.0}};
         double r = 2.0 * cam.f_mu / (cam.L * cam.pixel);
         double x, y, sum = 0.0, mx = 0.0, my = 0.0;
         int dx, dy;
@@ -198,7 +199,7 @@ static void micro_image_is_the_pupil(void **state)
 static void wide_pupil_overlaps(void **state)
 {
     plft_camera cam = camera(0);
-    plft_trace t = {&cam, NULL, 0.0, 1, 0, {1.0, 1.0, 1.0}};
+    plft_trace t = {&cam, NULL, NULL, 0.0, 1, 0, {1.0, 1.0, 1.0}};
     double x, y;
 
     (void)state;
@@ -278,6 +279,94 @@ static void noise_is_as_stated(void **state)
     assert_true(fabs(square / N / want - 1.0) < 0.03);
 }
 
+/* The steady state of a mode: rms, and period by the sign changes of q. */
+static void mode_has_its_rms_and_frequency(void **state)
+{
+    enum { N = 400000 };
+    plft_motion m;
+    double square = 0.0, last = 0.0;
+    int n, crossings = 0;
+
+    (void)state;
+    memset(&m, 0, sizeof m);
+    m.rate = 200.0;
+    m.modes = 1;
+    m.mode[0].hz = 22.0;
+    m.mode[0].damping = m.mode[0].damping_end = 0.03;
+    m.mode[0].rms = 1.5;
+    m.seed = 9;
+    plft_motion_start(&m, 2.0);
+    for (n = 0; n < N; n++) {
+        plft_motion_step(&m, (uint64_t)n, 0.0);
+        square += m.mode[0].x * m.mode[0].x;
+        crossings += m.mode[0].x * last < 0.0;
+        last = m.mode[0].x;
+    }
+    assert_true(fabs(sqrt(square / N) / 1.5 - 1.0) < 0.08);
+    assert_true(fabs(crossings / (2.0 * N / 3200.0) / 22.0 - 1.0) < 0.01);
+}
+
+/* Ring-down of the exact transition against the formula. */
+static void ring_down_is_exact(void **state)
+{
+    plft_motion m;
+    double w = 2.0 * 3.14159265358979 * 5.0, z = 0.02, t = 0.0;
+    double wd = w * sqrt(1.0 - z * z);
+    int n;
+
+    (void)state;
+    memset(&m, 0, sizeof m);
+    m.rate = 50.0;
+    m.modes = 1;
+    m.mode[0].hz = 5.0;
+    m.mode[0].damping = m.mode[0].damping_end = z;
+    m.mode[0].x = 2.0;
+    for (n = 0; n < 500; n++) {
+        plft_motion_step(&m, (uint64_t)n, 0.0);
+        t = (n + 1) / 800.0;
+    }
+    t = 2.0 * exp(-z * w * t) * (cos(wd * t) + z * w / wd * sin(wd * t));
+    assert_true(fabs(m.mode[0].x - t) < 1e-9);
+}
+
+static void wing_bends_towards_the_camera(void **state)
+{
+    plft_texture none = {0, 0, 1.0, 0.5, NULL};
+    plft_world world = plane(500.0, &none);
+    plft_bend bend = {100.0, 30.0, {3.0, -1.0, 0.5}};
+    plft_ray ray = {2.0, 0.0, 0.19, 0.05}; /* meets the plane at (97, 25) */
+    plft_hit hit;
+    double lift;
+
+    (void)state;
+    world.quad->w = 100.0;
+    world.quad->h = 30.0;
+    world.quad->bend = &bend;
+    hit = plft_world_trace(&world, &ray);
+    lift = plft_bend_at(&bend, hit.a, hit.b);
+    assert_ptr_equal(hit.quad, world.quad);
+    assert_true(fabs(hit.z - (500.0 - lift)) < 1e-9);
+    assert_true(fabs(hit.a - (2.0 + 0.19 * hit.z)) < 1e-9);
+    assert_true(fabs(plft_bend_at(&bend, 100.0, 15.0) - 2.0) < 1e-6);
+    assert_true(fabs(plft_bend_at(&bend, 0.0, 30.0)) < 1e-9);
+    assert_true(fabs(plft_bend_at(&bend, 100.0, 30.0) - 2.5) < 1e-6);
+}
+
+/* A point on a ray of the moved camera is on the ray of the camera at rest. */
+static void pose_and_its_inverse(void **state)
+{
+    plft_pose pose = {{0.5, -0.3, 0.8}, {0.001, -0.002, 0.0015}};
+    plft_ray ray = {1.0, -2.0, 0.05, 0.03};
+    plft_ray seen = plft_pose_ray(&pose, &ray);
+    double world[3] = {seen.px + 450.0 * seen.dx, seen.py + 450.0 * seen.dy, 450.0};
+    double at[3];
+
+    (void)state;
+    plft_pose_inverse(&pose, world, at);
+    assert_true(fabs(at[0] - (ray.px + at[2] * ray.dx)) < 1e-9);
+    assert_true(fabs(at[1] - (ray.py + at[2] * ray.dy)) < 1e-9);
+}
+
 /* The same draws on every machine. */
 static void draws_are_fixed(void **state)
 {
@@ -299,6 +388,10 @@ int main(void)
         cmocka_unit_test(texture_box_is_a_mean),
         cmocka_unit_test(nearest_surface_hides_the_rest),
         cmocka_unit_test(noise_is_as_stated),
+        cmocka_unit_test(mode_has_its_rms_and_frequency),
+        cmocka_unit_test(ring_down_is_exact),
+        cmocka_unit_test(wing_bends_towards_the_camera),
+        cmocka_unit_test(pose_and_its_inverse),
         cmocka_unit_test(draws_are_fixed),
     };
 

@@ -9,6 +9,7 @@
 #include "common/err.h"
 #include "common/json.h"
 #include "sim/scene_keys.h"
+#include "sim/scene_motion.h"
 #include "sim/scene_world.h"
 #include "sim/trace.h"
 
@@ -222,7 +223,8 @@ static int read_root(plft_scene *scene, const plft_node *root)
 
     scene->rays = 3;
     scene->colour[0] = scene->colour[1] = scene->colour[2] = 1.0;
-    if (plft_node_only(root, "about seed frames rays camera sensor sky objects") ||
+    if (plft_node_only(root,
+                       "about seed frames rays camera sensor sky objects motion") ||
         plft_node_int(root, "seed", 0, 1000000000, &seed) ||
         plft_node_int(root, "rays", 1, 8, &scene->rays)) {
         return PLFT_DATA;
@@ -232,7 +234,8 @@ static int read_root(plft_scene *scene, const plft_node *root)
         read_sensor(scene, root)) {
         return PLFT_DATA;
     }
-    return plft_scene_world(scene, root);
+    return plft_scene_world(scene, root) || plft_scene_motion(scene, root) ? PLFT_DATA
+                                                                           : 0;
 }
 
 int plft_scene_read(plft_scene *scene, const char *path)

@@ -6,6 +6,7 @@
 #include <jansson.h>
 
 #include "sim/camera.h"
+#include "sim/motion.h"
 #include "sim/sensor.h"
 #include "sim/world.h"
 
@@ -24,6 +25,8 @@ typedef struct plft_scene {
     plft_camera cam;
     plft_sensor sensor;
     plft_world world;
+    plft_motion motion; /* frames 0: a still */
+    plft_bend bend;     /* of the wing, moved by the sequence */
 } plft_scene;
 
 /* Read and derive everything.  Unknown keys are refused.  0 or PLFT_DATA with a

@@ -14,7 +14,7 @@
 #define TILE_MIN    64 /* texels on a side */
 #define TILE_MAX    1024
 
-enum { SHAPE_PLANE, SHAPE_RECT, SHAPE_BOX };
+enum { SHAPE_PLANE, SHAPE_RECT, SHAPE_BOX, SHAPE_WING };
 
 typedef struct builder {
     plft_scene *scene;
@@ -119,6 +119,7 @@ static void add_quad(const builder *b, const plft_quad *q)
     plft_world *world = &b->scene->world;
 
     world->quad[world->quads] = *q;
+    memcpy(world->quad[world->quads].home, q->o, sizeof q->o);
     plft_quad_ready(&world->quad[world->quads]);
     world->quads++;
 }
@@ -191,12 +192,16 @@ static int read_object(builder *b, int index)
 
     memset(q, 0, sizeof *q);
     q->rgb[0] = q->rgb[1] = q->rgb[2] = 1.0;
-    if (plft_node_only(b->node,
-                       "name type z_mm at_mm size_mm yaw_deg pitch_deg texture rgb") ||
-        plft_node_word(b->node, "type", "plane|rect|box", &b->shape) || read_place(b) ||
-        real(b->node, "yaw_deg", -80.0, 80.0, 0, &yaw) ||
+    if (plft_node_only(
+            b->node,
+            "name type z_mm at_mm size_mm yaw_deg pitch_deg texture rgb swing_mm "
+            "swing_hz") ||
+        plft_node_word(b->node, "type", "plane|rect|box|wing", &b->shape) ||
+        read_place(b) || real(b->node, "yaw_deg", -80.0, 80.0, 0, &yaw) ||
         real(b->node, "pitch_deg", -80.0, 80.0, 0, &pitch) ||
         plft_node_reals(b->node, "rgb", 3, 0.0, 1.0, 0, q->rgb) ||
+        plft_node_reals(b->node, "swing_mm", 3, -1e4, 1e4, 0, q->swing) ||
+        real(b->node, "swing_hz", 0.0, 1e4, 0, &q->swing_hz) ||
         draw_texture(b, index)) {
         return PLFT_DATA;
     }
@@ -205,6 +210,11 @@ static int read_object(builder *b, int index)
     step(q->o, q->o, q->e2, -0.5 * b->size[1]);
     q->w = b->size[0];
     q->h = b->size[1];
+    if (b->shape == SHAPE_WING) {
+        b->scene->bend.span = q->w;
+        b->scene->bend.chord = q->h;
+        q->bend = &b->scene->bend;
+    }
     q->texture = index;
     q->id = index + 1;
     plft_quad_ready(q);

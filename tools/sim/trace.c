@@ -131,6 +131,57 @@ plft_ray plft_trace_ray(const plft_camera *cam, double ax, double ay, double cx,
     return ray;
 }
 
+/* out = in turned by small angles about X, Y, Z (sign -1: turned back). */
+static void turned(const plft_pose *pose, double sign, const double in[3],
+                   double out[3])
+{
+    double a = sign * pose->turn[0];
+    double b = sign * pose->turn[1];
+    double c = sign * pose->turn[2];
+
+    out[0] = in[0] + b * in[2] - c * in[1];
+    out[1] = in[1] + c * in[0] - a * in[2];
+    out[2] = in[2] + a * in[1] - b * in[0];
+}
+
+plft_ray plft_pose_ray(const plft_pose *pose, const plft_ray *ray)
+{
+    const double from[3] = {ray->px, ray->py, 0.0};
+    const double along[3] = {ray->dx, ray->dy, 1.0};
+    double p[3], d[3];
+    plft_ray out;
+
+    turned(pose, 1.0, from, p);
+    turned(pose, 1.0, along, d);
+    out.dx = d[0] / d[2];
+    out.dy = d[1] / d[2];
+    out.px = p[0] + pose->shift[0] - (p[2] + pose->shift[2]) * out.dx;
+    out.py = p[1] + pose->shift[1] - (p[2] + pose->shift[2]) * out.dy;
+    return out;
+}
+
+/* Turning back by small angles is exact to their square: three corrections. */
+void plft_pose_inverse(const plft_pose *pose, const double world[3], double out[3])
+{
+    double x[3], again[3], left[3], more[3];
+    int k, i;
+
+    for (i = 0; i < 3; i++) {
+        x[i] = world[i] - pose->shift[i];
+    }
+    turned(pose, -1.0, x, out);
+    for (k = 0; k < 3; k++) {
+        turned(pose, 1.0, out, again);
+        for (i = 0; i < 3; i++) {
+            left[i] = x[i] - again[i];
+        }
+        turned(pose, -1.0, left, more);
+        for (i = 0; i < 3; i++) {
+            out[i] += more[i];
+        }
+    }
+}
+
 double plft_trace_side(const plft_camera *cam, double z, double lens, double pixel)
 {
     double a = lens * (z / cam->F - 1.0);
@@ -143,7 +194,8 @@ double plft_trace_side(const plft_camera *cam, double z, double lens, double pix
 static double ray_value(const plft_trace *t, const plft_ray *ray, double part,
                         int colour)
 {
-    plft_hit hit = plft_world_trace(t->world, ray);
+    plft_ray seen = t->pose != NULL ? plft_pose_ray(t->pose, ray) : *ray;
+    plft_hit hit = plft_world_trace(t->world, &seen);
     double side;
 
     if (!hit.quad) {
@@ -151,7 +203,7 @@ static double ray_value(const plft_trace *t, const plft_ray *ray, double part,
     }
     side =
         plft_trace_side(t->cam, hit.z, lens_side(t->cam) * part, t->cam->pixel * part);
-    return plft_world_shade(t->world, &hit, ray, side) *
+    return plft_world_shade(t->world, &hit, &seen, side) *
            (t->bayer ? hit.quad->rgb[colour] : 1.0);
 }
 

@@ -18,6 +18,7 @@ typedef enum plft_bayer_phase {
 typedef struct plft_trace {
     const plft_camera *cam;
     const plft_world *world; /* NULL: a white target */
+    const plft_pose *pose;   /* of the camera; NULL: at rest */
     double pupil_r;          /* mm; cam->pupil_r, or a stopped-down one */
     int rays;                /* on a side: rays*rays a pixel and lens, 1 .. 8 */
     int bayer;               /* plft_bayer_phase */
@@ -36,6 +37,12 @@ double plft_trace_cover(const plft_trace *t, double ux, double uy, double cx,
  * (cx,cy) is the centre of the lens. */
 plft_ray plft_trace_ray(const plft_camera *cam, double ax, double ay, double cx,
                         double cy, double sx, double sy);
+
+/* The same ray in the world of a moved camera. */
+plft_ray plft_pose_ray(const plft_pose *pose, const plft_ray *ray);
+
+/* Camera coordinates of a point of the world. */
+void plft_pose_inverse(const plft_pose *pose, const double world[3], double out[3]);
 
 /* Side of the square that a lens aperture of side `lens` and a pixel of side `pixel`
  * (mm) blur a point of depth z over. */

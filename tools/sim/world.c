@@ -17,35 +17,44 @@ void plft_quad_ready(plft_quad *q)
     q->n[2] = q->e1[0] * q->e2[1] - q->e1[1] * q->e2[0];
 }
 
-/* Meet the plane of a quad; 1 when it is met before hit->z and inside. */
-static int meet(const plft_quad *q, const plft_ray *ray, plft_hit *hit)
+#define BEND_STEPS 5 /* a bent surface is met by successive planes */
+
+/* Depth at which a ray meets the plane of a quad lifted against n, and the material
+ * point under it.  0: never, or behind the lens. */
+static int on_plane(const plft_quad *q, const plft_ray *ray, double lift, plft_hit *hit)
 {
     double along = dot_ray(q->n, ray);
     double px = q->o[0] - ray->px;
     double py = q->o[1] - ray->py;
-    double z, x, y, dz, a, b;
+    double x, y, dz;
 
     if (fabs(along) < 1e-9) {
         return 0;
     }
-    z = (q->n[0] * px + q->n[1] * py + q->n[2] * q->o[2]) / along;
-    if (!(z > 0.0 && z < hit->z)) {
-        return 0;
-    }
-    x = z * ray->dx - px;
-    y = z * ray->dy - py;
-    dz = z - q->o[2];
-    a = q->e1[0] * x + q->e1[1] * y + q->e1[2] * dz;
-    b = q->e2[0] * x + q->e2[1] * y + q->e2[2] * dz;
-    if ((q->w > 0.0 && (a < 0.0 || a > q->w)) ||
-        (q->h > 0.0 && (b < 0.0 || b > q->h))) {
-        return 0;
-    }
+    hit->z = (q->n[0] * px + q->n[1] * py + q->n[2] * q->o[2] - lift) / along;
+    x = hit->z * ray->dx - px;
+    y = hit->z * ray->dy - py;
+    dz = hit->z - q->o[2];
+    hit->a = q->e1[0] * x + q->e1[1] * y + q->e1[2] * dz;
+    hit->b = q->e2[0] * x + q->e2[1] * y + q->e2[2] * dz;
     hit->quad = q;
-    hit->z = z;
-    hit->a = a;
-    hit->b = b;
-    return 1;
+    return hit->z > 0.0;
+}
+
+/* Meet a quad; *best becomes it when it is nearer and met inside. */
+static void meet(const plft_quad *q, const plft_ray *ray, plft_hit *best)
+{
+    plft_hit hit;
+    int met = on_plane(q, ray, 0.0, &hit);
+    int k;
+
+    for (k = 0; q->bend != NULL && met && k < BEND_STEPS; k++) {
+        met = on_plane(q, ray, plft_bend_at(q->bend, hit.a, hit.b), &hit);
+    }
+    if (met && hit.z < best->z && (q->w <= 0.0 || (hit.a >= 0.0 && hit.a <= q->w)) &&
+        (q->h <= 0.0 || (hit.b >= 0.0 && hit.b <= q->h))) {
+        *best = hit;
+    }
 }
 
 plft_hit plft_world_trace(const plft_world *world, const plft_ray *ray)
@@ -54,7 +63,7 @@ plft_hit plft_world_trace(const plft_world *world, const plft_ray *ray)
     int k;
 
     for (k = 0; k < world->quads; k++) {
-        (void)meet(&world->quad[k], ray, &hit);
+        meet(&world->quad[k], ray, &hit);
     }
     return hit;
 }
@@ -76,6 +85,19 @@ double plft_world_shade(const plft_world *world, const plft_hit *hit,
 
     return plft_texture_box(&world->texture[q->texture], hit->a + q->shift[0],
                             hit->b + q->shift[1], w, h);
+}
+
+void plft_world_swing(plft_world *world, double t)
+{
+    int k, i;
+
+    for (k = 0; k < world->quads; k++) {
+        plft_quad *q = &world->quad[k];
+        double part = sin(6.28318530717958647693 * q->swing_hz * t);
+        for (i = 0; i < 3; i++) {
+            q->o[i] = q->home[i] + part * q->swing[i];
+        }
+    }
 }
 
 void plft_world_free(plft_world *world)

@@ -4,17 +4,20 @@
 #ifndef PLFT_SIM_WORLD_H
 #define PLFT_SIM_WORLD_H
 
+#include "sim/motion.h"
 #include "sim/texture.h"
 
 typedef struct plft_quad {
-    double o[3];         /* material point (0,0) */
-    double e1[3], e2[3]; /* unit vectors of the material axes, at right angles */
-    double n[3];         /* e1 x e2 */
-    double w, h;         /* extent along e1, e2, mm; 0: without end */
-    double shift[2];     /* texture coordinates of (0,0), mm */
-    int texture;         /* index into the textures */
-    int id;              /* in the map of objects; 1 .. 255 */
-    double rgb[3];       /* reflectance of the three colours, times the texture */
+    double o[3];           /* material point (0,0) */
+    double e1[3], e2[3];   /* unit vectors of the material axes, at right angles */
+    double n[3];           /* e1 x e2 */
+    double w, h;           /* extent along e1, e2, mm; 0: without end */
+    double shift[2];       /* texture coordinates of (0,0), mm */
+    int texture;           /* index into the textures */
+    int id;                /* in the map of objects; 1 .. 255 */
+    const plft_bend *bend; /* lifts the surface against n; NULL: flat */
+    double home[3], swing[3], swing_hz; /* o = home + swing*sin(2*pi*hz*t) */
+    double rgb[3]; /* reflectance of the three colours, times the texture */
 } plft_quad;
 
 typedef struct plft_world {
@@ -45,6 +48,9 @@ plft_hit plft_world_trace(const plft_world *world, const plft_ray *ray);
  * sweeps on the surface. */
 double plft_world_shade(const plft_world *world, const plft_hit *hit,
                         const plft_ray *ray, double side);
+
+/* Put swinging surfaces where they are at time t, s. */
+void plft_world_swing(plft_world *world, double t);
 
 void plft_world_free(plft_world *world);
 
