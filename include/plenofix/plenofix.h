@@ -20,5 +20,6 @@
 #include "plenofix/refocus.h"
 #include "plenofix/stream.h"
 #include "plenofix/packet.h"
+#include "plenofix/modal.h"
 
 #endif
