@@ -2,7 +2,7 @@
 """Code, data, stack and structures of the core on a Cortex-M7, built at -O2.
 
 usage: sizes.py            compare with tests/sizes.csv (2 %, at least 8 bytes)
-       sizes.py --limits   the budgets alone: 40 KiB of code for depth, 24 KiB for
+       sizes.py --limits   the budgets alone: 40 KiB of code for depth, 28 KiB for
                            structural motion, 1 KiB of stack
        sizes.py --update   write tests/sizes.csv anew, on purpose
        sizes.py --stack FILE.c   the stack budget of one file"""
@@ -17,7 +17,7 @@ CODE_LIMIT = 40 * 1024   # bytes of text, objects that a microcontroller may lin
 FRAME_LIMIT = 24 * 1024  # the same, objects of frame.h: they want a frame's memory
 FRAME = {'arms', 'frame', 'frame_flags', 'median', 'preset', 'refine', 'sgm',
          'viewcheck', 'winner_row'}
-MOTION_LIMIT = 24 * 1024  # the same of regions, modes, packets, linked on their own
+MOTION_LIMIT = 28 * 1024  # the same of regions, modes, packets, linked on their own
 MOTION = re.compile(r'(roi|modal|packet)(_|$)|ln$')
 STACK_LIMIT = 1024       # bytes, deepest path below a public function
 COMPILER = common.ARM + 'gcc'

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Modes in flight: frequency, damping and amplitude of one vibration mode in one channel
- * of samples, each with its standard error, in integers and bounded work.
+ * Modes in flight: frequency, damping and amplitude of one vibration mode in one
+ * channel of samples, each with its standard error, in integers and bounded work.
  *
  * Method.  The sample, less a slow mean, is mixed with a complex oscillator at the
  * mode's expected frequency, thinned by a second-order CIC (two running sums of `every`
@@ -8,13 +8,14 @@
  * block.  A lightly damped mode under random excitation has
  *   R(l) ~ exp((-zeta*w + i*(w - w0))*l*dt),
  * so the slope of ln|R| over lags 1 .. 5, weighted by |R|^2, gives the damping and the
- * slope of the phase the frequency.  Each R(l) is divided by the energy of the samples l
- * back, which makes the same lines exact for a free decay and for growth.  Unlike the half-power width of a spectrum this is
- * unbiased at records of a minute.
+ * slope of the phase the frequency.  Each R(l) is divided by the energy of the samples
+ * l back, which makes the same lines exact for a free decay and for growth.  Unlike the
+ * half-power width of a spectrum this is unbiased at records of a minute.
  *
  * Standard errors follow the bound of a randomly excited mode (Gersch 1974): with
- * n = f*T cycles in the record, var f/f = zeta/(2*pi*n), var zeta/zeta = 1/(2*pi*zeta*n);
- * multiplied by PLFX_MODAL_*_LOSS_Q8 and by R(0)/(R(0) of the fit), the share of noise.
+ * n = f*T cycles in the record, var f/f = zeta/(2*pi*n) and var zeta/zeta =
+ * 1/(2*pi*zeta*n), multiplied by PLFX_MODAL_*_LOSS_Q8 and by R(0)/(R(0) of the fit),
+ * the share of noise.
  *
  * Work per sample: 2 multiplications and 12 additions; per thinned sample 24
  * multiply-adds.  Scaling: oscillator q15 from a table of 512; products cut to 16 bits;
@@ -103,10 +104,10 @@ void plfx_modal_gap(plfx_modal *m, uint32_t n);
 plfx_status plfx_modal_read(const plfx_modal *m, int32_t blocks,
                             plfx_mode *mode) PLFX_MUST_USE;
 
-/* Alarm: damping + nsigma_q8/256 standard errors < limit_ppm (0 .. 10^6) over one of the
- * windows of the newest 1, 2, 4, 8 or 16 finished blocks.  The standard error is the
- * greater of the mode's own and the one that a damping of limit_ppm would have over that
- * window: a short window that reads low by chance does not count.  *mode is that
+/* Alarm: damping + nsigma_q8/256 standard errors < limit_ppm (0 .. 10^6) over one of
+ * the windows of the newest 1, 2, 4, 8 or 16 finished blocks.  The standard error is
+ * the greater of the mode's own and the one that a damping of limit_ppm would have over
+ * that window: a short window that reads low by chance does not count.  *mode is that
  * window's, with PLFX_MODE_ALARM, or the longest.  PLFX_OK, PLFX_E_ARG. */
 plfx_status plfx_modal_alarm(const plfx_modal *m, int32_t limit_ppm, int32_t nsigma_q8,
                              plfx_mode *mode) PLFX_MUST_USE;

@@ -21,5 +21,6 @@
 #include "plenofix/stream.h"
 #include "plenofix/packet.h"
 #include "plenofix/modal.h"
+#include "plenofix/roi.h"
 
 #endif

@@ -1,0 +1,475 @@
+/* SPDX-License-Identifier: MIT
+ * Sums over a patch and the displacement that explains them. */
+#include "roi_state.h"
+#include "fix.h"
+
+#include <string.h>
+
+void plfx_roi_add(const plfx_roi_patch *p, int32_t k, int32_t y, const uint16_t *row,
+                  plfx_roi_sums *view)
+{
+    size_t at = ((size_t)k * (size_t)p->h + (size_t)y) * (size_t)p->w;
+    const uint16_t *ref = p->ref + at;
+    const int16_t *gx = p->gx + at;
+    const int16_t *gy = p->gy + at;
+    int32_t x;
+
+    for (x = 0; x < p->w; x++) {
+        int64_t d = (int64_t)row[x] - ref[x];
+        if (ref[x] == PLFX_ROI_UNUSED) {
+            continue;
+        }
+        view->clipped += row[x] == PLFX_ROI_UNUSED;
+        view->b[0] += gx[x] * d;
+        view->b[1] += gy[x] * d;
+        view->energy += d * d;
+        if (ref[x] >= p->split) {
+            view->bright += d;
+        } else {
+            view->dark += d;
+        }
+    }
+}
+
+void plfx_roi_close(const int32_t lean_q12[2], plfx_roi_sums *view, plfx_roi_sums *all)
+{
+    all->b[0] += view->b[0]; /* < 2^43 a view */
+    all->b[1] += view->b[1];
+    all->b[2] +=
+        plfx_round_shift_i64(view->b[0] * lean_q12[0] + view->b[1] * lean_q12[1], 12);
+    all->bright += view->bright;
+    all->dark += view->dark;
+    all->energy += view->energy;
+    all->clipped += view->clipped;
+    memset(view, 0, sizeof *view);
+}
+
+plfx_roi_light plfx_roi_light_of(const plfx_roi_patch *p, const plfx_roi_sums *s)
+{
+    /* both halves: d = a*R + o; sums < 2^36, counts < 2^20 */
+    int64_t det =
+        plfx_asr_i64(p->ref_bright * p->n_dark - p->ref_dark * p->n_bright, 20);
+    int64_t num = s->bright * p->n_dark - s->dark * p->n_bright;
+    int64_t all = s->bright + s->dark;
+    int64_t ref = p->ref_bright + p->ref_dark;
+    plfx_roi_light l = {1 << 20, 0};
+    int64_t a_q20 = 0;
+
+    if (det > 0) {
+        a_q20 = plfx_clamp_i32(plfx_sat_i32(num / det), -(1 << 20), 15 << 20);
+    }
+    l.gain_q20 += (int32_t)a_q20;
+    all -= plfx_round_shift_i64(ref * a_q20, 20); /* < 2^36 * 2^24 */
+    l.offset_q4 = plfx_sat_i32(all * 16 / p->used);
+    return l;
+}
+
+void plfx_roi_linear(const plfx_roi_patch *p, const plfx_roi_sums *s, int32_t gain_q20,
+                     int32_t out_q24[3])
+{
+    int64_t t[3];
+    int32_t k;
+
+    for (k = 0; k < 3; k++) { /* bright, dark < 2^36, alpha < 2^27 */
+        int64_t b =
+            s->b[k] - plfx_round_shift_i64(
+                          s->bright * p->alpha_q12[k] + s->dark * p->beta_q12[k], 12);
+        int64_t limit = (int64_t)1 << 33;
+        t[k] = b * 64 / p->scale[k]; /* b < 2^52 */
+        t[k] = t[k] > limit ? limit : t[k] < -limit ? -limit : t[k];
+    }
+    for (k = 0; k < 3; k++) { /* inverse < 2^28: products < 2^61 */
+        int64_t sum = (plfx_asr_i64(p->inv_q24[k][0] * t[0], 2) +
+                       plfx_asr_i64(p->inv_q24[k][1] * t[1], 2) +
+                       plfx_asr_i64(p->inv_q24[k][2] * t[2], 2)) /
+                      (p->scale[k] * 16);
+        sum = sum > (int64_t)1 << 31 ? (int64_t)1 << 31 : sum;
+        sum = sum < -((int64_t)1 << 31) ? -((int64_t)1 << 31) : sum;
+        out_q24[k] = plfx_sat_i32(sum * (1 << 20) / gain_q20);
+    }
+}
+
+/* Lagrange's basis over the nodes -1/2 .. 1/2 in steps of 1/4, q20. */
+static void basis(int32_t x_q24, int64_t l[5])
+{
+    int64_t t = plfx_asr_i32(x_q24, 2); /* q20, nodes at -2 .. 2, |t| < 2.5 */
+    int64_t one = 1 << 20;
+    int64_t a = plfx_asr_i64((t + 2 * one) * (t + one), 20);
+    int64_t b = plfx_asr_i64((t - 2 * one) * (t - one), 20);
+    int64_t tt = plfx_asr_i64((t - 2 * one) * (t + 2 * one), 20);
+
+    l[0] = plfx_asr_i64(plfx_asr_i64((t + one) * t, 20) * b, 20) / 24;
+    l[1] = -plfx_asr_i64(plfx_asr_i64((t - one) * t, 20) * tt, 20) / 6;
+    l[2] = plfx_asr_i64(a * b, 20) / 4;
+    l[3] = -plfx_asr_i64(plfx_asr_i64((t + one) * t, 20) * tt, 20) / 6;
+    l[4] = plfx_asr_i64(plfx_asr_i64((t - one) * t, 20) * a, 20) / 24;
+}
+
+static int64_t at_nodes(const int64_t lx[5], const int64_t ly[5], const int32_t *table)
+{
+    int64_t sum = 0;
+    int32_t i;
+    int32_t j;
+
+    for (j = 0; j < 5; j++) {
+        int64_t line = 0; /* 2^30 * 2^21 * 5 */
+        for (i = 0; i < 5; i++) {
+            line += lx[i] * table[5 * j + i];
+        }
+        sum += plfx_asr_i64(line, 20) * ly[j];
+    }
+    return plfx_round_shift_i64(sum, 20);
+}
+
+/* The displacement that reads as `linear`: p += linear - reads(p), which shrinks the
+ * error 3 times and more a round within half a lens. */
+static void invert(const plfx_roi_patch *patch, const int32_t linear[3], int32_t p[3])
+{
+    const int32_t reach = 5 * (PLFX_ROI_ONE / 8);
+    int64_t lx[5];
+    int64_t ly[5];
+    int32_t round;
+    int32_t k;
+
+    memcpy(p, linear, 3 * sizeof *p);
+    for (round = 0; round < 12; round++) {
+        int32_t worst = 0;
+        p[0] = plfx_clamp_i32(p[0], -reach, reach);
+        p[1] = plfx_clamp_i32(p[1], -reach, reach);
+        p[2] = plfx_clamp_i32(p[2], -PLFX_ROI_ONE, PLFX_ROI_ONE);
+        basis(p[0], lx);
+        basis(p[1], ly);
+        for (k = 2; k >= 0; k--) {
+            int64_t r =
+                at_nodes(lx, ly, patch->reads_q24[k]) +
+                plfx_round_shift_i64(at_nodes(lx, ly, patch->leans_q24[k]) * p[2], 24);
+            int32_t step = plfx_sat_i32(linear[k] - r);
+            worst = plfx_max_i32(worst, plfx_max_i32(step, -step));
+            p[k] = plfx_sat_i32((int64_t)p[k] + step);
+        }
+        if (worst < 64) {
+            break;
+        }
+    }
+}
+
+static plfx_roi_sums look(const plfx_roi *roi, const plfx_roi_frame *frame,
+                          const plfx_roi_patch *p)
+{
+    uint16_t row[PLFX_ROI_SIDE];
+    plfx_roi_sums view;
+    plfx_roi_sums all;
+    int32_t k;
+    int32_t y;
+
+    memset(&view, 0, sizeof view);
+    memset(&all, 0, sizeof all);
+    for (k = 0; k < roi->cfg.views; k++) {
+        for (y = 0; y < p->h; y++) {
+            plfx_roi_sample(roi, frame, p, k, y, 0, p->w, row);
+            plfx_roi_add(p, k, y, row, &view);
+        }
+        plfx_roi_close(roi->lean_q12[k], &view, &all);
+    }
+    return all;
+}
+
+/* Energy of the differences that displacement d makes under the gain a: with R' the
+ * rest state displaced, d = a*(R'-R) + (a-1)*R, the energy without the last term's own
+ * is   a^2*sum (R'-R)^2 + 2*a*(a-1)*sum (R'-R)*R
+ * from the tables for x and y; for the slope, whose edges are few, the second sum is
+ * minus half of the first. */
+static int64_t moved_energy(const plfx_roi_patch *p, const int32_t d[3],
+                            int64_t gain_q12)
+{
+    int64_t lx[5];
+    int64_t ly[5];
+    int64_t z = plfx_asr_i32(d[2], 12); /* q12 */
+    int64_t plane;
+    int64_t slope;
+    int64_t product;
+
+    basis(d[0], lx);
+    basis(d[1], ly);
+    plane = 4 * at_nodes(lx, ly, p->energy) * p->used; /* < 2^51 */
+    product = 16 * at_nodes(lx, ly, p->product) * p->used;
+    slope = plfx_asr_i64(plfx_asr_i64(p->cross[0], 12) * z, 12) * z;
+    slope +=
+        2 *
+        (plfx_asr_i64(plfx_asr_i64(p->cross[1], 12) * z, 12) * plfx_asr_i32(d[0], 12) +
+         plfx_asr_i64(plfx_asr_i64(p->cross[2], 12) * z, 12) * plfx_asr_i32(d[1], 12));
+    plane = plfx_asr_i64(plane, 12) * gain_q12 +
+            2 * plfx_asr_i64(product, 12) * (gain_q12 - 4096);
+    plane = plfx_asr_i64(plane + slope, 12) * gain_q12;
+    return plane > 0 ? plane : 0;
+}
+
+static uint16_t sat_u16(int64_t v)
+{
+    return (uint16_t)(v < 0 ? 0 : v > 65535 ? 65535 : v);
+}
+
+/* Brightness without what the displacement feigns. */
+static plfx_roi_light true_light(const plfx_roi_patch *p, plfx_roi_light seen,
+                                 const int32_t d[3])
+{
+    int64_t lx[5];
+    int64_t ly[5];
+    plfx_roi_light l;
+    int64_t gain;
+
+    basis(d[0], lx);
+    basis(d[1], ly);
+    gain = at_nodes(lx, ly, p->gain_q20);
+    gain = gain > 1 << 16 ? gain : 1 << 16;
+    l.gain_q20 = plfx_sat_i32(((int64_t)seen.gain_q20 << 20) / gain);
+    l.offset_q4 = plfx_sat_i32(
+        seen.offset_q4 -
+        plfx_round_shift_i64(at_nodes(lx, ly, p->offset_q4) * l.gain_q20, 20));
+    return l;
+}
+
+/* Sum of ((gain-1)*R + offset)^2. */
+static int64_t light_energy(const plfx_roi_patch *p, plfx_roi_light l)
+{
+    int64_t a_q12 = plfx_asr_i32(l.gain_q20 - (1 << 20) + 128, 8); /* < 2^16 */
+    int64_t o = plfx_asr_i32(l.offset_q4 + 8, 4);                  /* < 2^18 */
+    int64_t ref = p->ref_bright + p->ref_dark;                     /* < 2^36 */
+    int64_t e = plfx_asr_i64(plfx_asr_i64(p->ref_square, 12) * a_q12, 12) * a_q12;
+
+    return e + 2 * o * plfx_round_shift_i64(ref * a_q12, 12) + p->used * o * o;
+}
+
+/* Variance left over, q8; flags what it says. */
+static int64_t residual(const plfx_roi *roi, const plfx_roi_patch *p,
+                        const plfx_roi_sums *s, plfx_roi_light l, const int32_t d[3],
+                        plfx_roi_result *out)
+{
+    int64_t gain_q12 = plfx_asr_i32(l.gain_q20, 8);
+    int64_t moved = moved_energy(p, d, gain_q12); /* < 2^56 */
+    int64_t left;
+    int64_t limit;
+
+    left = s->energy - light_energy(p, l) - moved;
+    left = (left > 0 ? left : 0) / p->used * 256; /* < 2^40 */
+    if (p->noise_q8 > 0) {
+        limit = plfx_asr_i64(p->noise_q8 * gain_q12, 12);
+        /* The interpolator misses up to 1/16 of the energy of sharp texture. */
+        limit = (limit > p->noise_q8 ? limit : p->noise_q8) + moved / p->used * 16;
+        out->residual_q8 = sat_u16(left * 256 / limit); /* < 2^48 */
+        if (out->residual_q8 > roi->cfg.residual_q8) {
+            out->flags |= PLFX_ROI_OCCLUDED;
+        }
+    }
+    return left > p->noise_q8 ? left : p->noise_q8;
+}
+
+static uint32_t sigma(const plfx_roi_patch *p, int32_t k, int64_t variance_q8,
+                      int32_t gain_q20)
+{
+    uint64_t rms_q8 = plfx_isqrt_u64((uint64_t)variance_q8 << 8); /* < 2^24 */
+    uint64_t s = rms_q8 * p->spread_q12[k] * 16u / (uint64_t)p->scale[k];
+
+    s = (s << 20) / (uint64_t)(gain_q20 > 1 << 14 ? gain_q20 : 1 << 14) + 1u;
+    return s > 0x7fffffffu ? 0x7fffffffu : (uint32_t)s;
+}
+
+/* Whole columns or rows nearest to d. */
+static int32_t whole(int32_t d_q24)
+{
+    return plfx_asr_i32(d_q24 + PLFX_ROI_ONE / 2, 24);
+}
+
+static int32_t inside(const plfx_roi *roi, const plfx_roi_patch *p)
+{
+    return p->i0 + p->ki >= 0 && p->j0 + p->kj >= 0 &&
+           p->i0 + p->ki + p->w <= roi->cfg.nx && p->j0 + p->kj + p->h <= roi->cfg.ny;
+}
+
+/* Sum of absolute differences of the first view less its mean difference, per patch. */
+static int64_t unlike(const plfx_roi *roi, const plfx_roi_frame *frame,
+                      const plfx_roi_patch *p, int32_t view)
+{
+    uint16_t row[PLFX_ROI_SIDE];
+    int64_t mean = 0;
+    int64_t sum = 0;
+    int32_t pass;
+    int32_t y;
+    int32_t x;
+
+    for (pass = 0; pass < 2; pass++) {
+        for (y = 0; y < p->h; y++) {
+            const uint16_t *ref =
+                p->ref + ((size_t)view * (size_t)p->h + (size_t)y) * (size_t)p->w;
+            plfx_roi_sample(roi, frame, p, view, y, 0, p->w, row);
+            for (x = 0; x < p->w; x++) {
+                int64_t d = (int64_t)row[x] - ref[x] - mean;
+                sum += pass == 0 || d >= 0 ? d : -d;
+            }
+        }
+        mean = pass == 0 ? sum / ((int64_t)p->w * p->h) : mean;
+        sum = pass == 0 ? 0 : sum;
+    }
+    return sum;
+}
+
+/* Look for a lost patch around its place, in the first view. */
+static void seek(const plfx_roi *roi, const plfx_roi_frame *frame, plfx_roi_patch *p)
+{
+    int32_t i0 = p->ki;
+    int32_t j0 = p->kj;
+    int32_t best_i = i0;
+    int32_t best_j = j0;
+    int64_t best = INT64_MAX;
+    int32_t r = roi->cfg.seek;
+    int32_t a;
+    int32_t b;
+
+    for (b = -r; b <= r; b++) {
+        for (a = -r; a <= r; a++) {
+            p->ki = i0 + a;
+            p->kj = j0 + b;
+            if (inside(roi, p)) {
+                int64_t cost = unlike(roi, frame, p, 0);
+                if (cost < best) {
+                    best = cost;
+                    best_i = p->ki;
+                    best_j = p->kj;
+                }
+            }
+        }
+    }
+    p->ki = best_i;
+    p->kj = best_j;
+}
+
+static void clear(plfx_roi_result *out, uint32_t flags)
+{
+    memset(out, 0, sizeof *out);
+    out->u_q24 = PLFX_ROI_NONE;
+    out->v_q24 = PLFX_ROI_NONE;
+    out->w_q24 = PLFX_ROI_NONE;
+    out->flags = (uint8_t)flags;
+}
+
+/* Lens pitches and slope of columns, rows and rim shift. */
+static void fill(const plfx_roi *roi, const plfx_roi_patch *p, const int32_t d[3],
+                 int64_t variance_q8, int32_t gain_q20, plfx_roi_result *out)
+{
+    int64_t col = d[0] + (int64_t)p->ki * PLFX_ROI_ONE;
+    int64_t row = d[1] + (int64_t)p->kj * PLFX_ROI_ONE;
+
+    out->u_q24 = plfx_sat_i32(col * 4096 / roi->col_q12);
+    out->v_q24 = plfx_sat_i32(row * 4096 / roi->row_q12);
+    out->u_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 0, variance_q8, gain_q20) * 4096u /
+                                  (uint32_t)roi->col_q12);
+    out->v_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 1, variance_q8, gain_q20) * 4096u /
+                                  (uint32_t)roi->row_q12);
+    if (roi->rim_q8 > 0) {
+        out->w_q24 = plfx_sat_i32(plfx_div_round_i64((int64_t)d[2] * 256, roi->rim_q8));
+        out->w_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 2, variance_q8, gain_q20) *
+                                      256u / (uint32_t)roi->rim_q8);
+    }
+}
+
+/* One look and what it says; 1 when the patch should be looked at again elsewhere. */
+static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
+                       plfx_roi_patch *p, plfx_roi_result *out)
+{
+    const int32_t half = 9 * (PLFX_ROI_ONE / 16);
+    plfx_roi_sums s;
+    plfx_roi_light l;
+    int32_t linear[3];
+    int32_t d[3];
+    int64_t variance_q8;
+
+    clear(out, 0);
+    if (!inside(roi, p)) {
+        out->flags = PLFX_ROI_EDGE;
+        return 0;
+    }
+    s = look(roi, frame, p);
+    l = plfx_roi_light_of(p, &s);
+    if (s.clipped > p->used / 64) {
+        out->flags |= PLFX_ROI_SATURATED;
+    }
+    if (l.gain_q20 < 1 << 16) {
+        out->flags |= PLFX_ROI_LIGHT;
+        return 0;
+    }
+    plfx_roi_linear(p, &s, l.gain_q20, linear);
+    invert(p, linear, d);
+    l = true_light(p, l, d);
+    out->light_q12 = sat_u16(plfx_asr_i32(l.gain_q20, 8));
+    if (l.gain_q20 < 1 << 18 || l.gain_q20 > 4 << 20) {
+        out->flags |= PLFX_ROI_LIGHT;
+    }
+    if (d[0] > half || d[0] < -half || d[1] > half || d[1] < -half ||
+        d[2] > PLFX_ROI_ONE / 2 || d[2] < -PLFX_ROI_ONE / 2) {
+        out->flags |= PLFX_ROI_RANGE;
+    }
+    variance_q8 = residual(roi, p, &s, l, d, out);
+    fill(roi, p, d, variance_q8, l.gain_q20, out);
+    if (whole(d[0]) == 0 && whole(d[1]) == 0) {
+        return 0;
+    }
+    if (d[0] > half || d[0] < -half || d[1] > half || d[1] < -half) {
+        p->ki += whole(d[0]);
+        p->kj += whole(d[1]);
+        return 1;
+    }
+    return 0;
+}
+
+static void follow(const plfx_roi *roi, const plfx_roi_frame *frame, plfx_roi_patch *p,
+                   plfx_roi_result *out)
+{
+    int32_t ki = p->ki;
+    int32_t kj = p->kj;
+    int32_t step;
+    int32_t sought = roi->cfg.seek == 0;
+
+    for (step = 0; step < 2 * roi->cfg.steps; step++) {
+        int32_t again = attempt(roi, frame, p, out);
+        if (!again && (out->flags & ~PLFX_ROI_LIGHT) == 0) {
+            return;
+        }
+        if (step + 1 == roi->cfg.steps || !again) {
+            if (sought || step >= roi->cfg.steps) {
+                break;
+            }
+            p->ki = ki;
+            p->kj = kj;
+            seek(roi, frame, p);
+            sought = 1;
+            step = roi->cfg.steps - 1;
+        }
+    }
+    if (out->flags & (PLFX_ROI_RANGE | PLFX_ROI_OCCLUDED)) {
+        p->ki = ki; /* wait where it was last seen */
+        p->kj = kj;
+    }
+}
+
+plfx_status plfx_roi_measure(plfx_roi *roi, const plfx_roi_frame *frame,
+                             plfx_roi_result *out)
+{
+    plfx_status status;
+    int32_t k;
+
+    if (!roi || !roi->patch || !out) {
+        return PLFX_E_ARG;
+    }
+    if (roi->rested < roi->cfg.rest) {
+        return PLFX_E_STATE;
+    }
+    status = plfx_roi_frame_ok(roi, frame);
+    for (k = 0; status == PLFX_OK && k < roi->cfg.regions; k++) {
+        if (roi->patch[k].flags) {
+            clear(&out[k], roi->patch[k].flags);
+        } else {
+            follow(roi, frame, &roi->patch[k], &out[k]);
+        }
+    }
+    return status;
+}
