@@ -8,6 +8,7 @@ typedef int plft_command(int argc, char **argv);
 
 plft_command plft_cmd_bench;
 plft_command plft_cmd_calibrate;
+plft_command plft_cmd_decode;
 plft_command plft_cmd_check;
 plft_command plft_cmd_depth;
 plft_command plft_cmd_devices;
@@ -16,6 +17,7 @@ plft_command plft_cmd_grab;
 plft_command plft_cmd_help;
 plft_command plft_cmd_import_centres;
 plft_command plft_cmd_info;
+plft_command plft_cmd_monitor;
 plft_command plft_cmd_optics;
 plft_command plft_cmd_refocus;
 plft_command plft_cmd_live;

@@ -30,6 +30,8 @@ static const entry commands[] = {
     {"live", plft_cmd_live, "maps of a camera or recording as they come"},
     {"record", plft_cmd_record, "frames of a camera into one file"},
     {"replay", plft_cmd_replay, "a recording, frame by frame"},
+    {"monitor", plft_cmd_monitor, "displacement of regions and their modes"},
+    {"decode", plft_cmd_decode, "telemetry of monitor, as tables"},
     {"bench", plft_cmd_bench, "time and memory of the core on this machine"},
     {"devices", plft_cmd_devices, "what depth --device can name"},
     {"help", plft_cmd_help, "this text, or that of a command: help COMMAND"},

@@ -1,0 +1,69 @@
+#!/bin/bash
+# SPDX-License-Identifier: MIT
+# From frames to displacements to packets and back; gaps, late frames, bad input.
+set -eu
+plenofix=$(realpath "$1")
+dir=$(mktemp -d)
+trap 'rm -rf "$dir"' EXIT
+cd "$dir"
+
+cat >s.json <<'JSON'
+{"seed": 3, "rays": 2, "frames": ["scene"],
+ "camera": {"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [36, 28]},
+ "sensor": {"bits": 12, "full_well_e": 30000},
+ "objects": [{"type": "plane", "z_mm": 560}]}
+JSON
+"$plenofix" simulate s.json -o a
+sed 's/"z_mm": 560/"z_mm": 700/' s.json >t.json
+"$plenofix" simulate t.json -o b
+size=$(od -An -tu1 -j16 -N8 a/scene.png | awk '{print $3*256+$4 "x" $7*256+$8}')
+"$plenofix" import-centres a/centres.csv --size "$size" --bits 12 -o t.plut >/dev/null
+printf 'i,j,hx,hy,reference\n10,9,3,4,0\n22,9,3,4,0\n18,20,4,3,0\n2,2,3,3,0\n' >r.csv
+mkdir f
+for n in 00 01 02 03 04 05 06 08; do cp a/scene.png f/f_$n.png; done
+for n in 09 10 11; do cp b/scene.png f/f_$n.png; done
+monitor() { "$plenofix" monitor "$@" --lut t.plut --regions r.csv --bits 12 --quiet; }
+
+monitor f -o s.csv --rest 4 --rate 100 --packets p.bin --uff u.uff --modes 10:0.02 >log
+grep -q '^7 frames, 4 regions, 1 lost, 0 late' log
+grep -q '^mode 10 Hz: not found' log
+head -1 s.csv | grep -q '^frame,time_s,region,u_pitch,v_pitch,w_slope,'
+[ "$(wc -l <s.csv)" = 29 ]
+# The rest state itself reads zero; the region at the rim is flagged EDGE and empty.
+awk -F, 'NR > 1 && $1 < 9 && $3 < 3 && ($4^2 + $5^2 + $6^2 > 1e-9 || $12 != 0) {exit 1}' s.csv
+awk -F, 'NR > 1 && $3 == 3 && ($4 != "" || $12 != 8) {exit 1}' s.csv
+# Another plane with another texture: flagged, never measured in silence.
+awk -F, '$1 > 8 && $3 < 3 && $12 == 0 {exit 1}' s.csv
+[ "$(grep -c '^    58$' u.uff)" = 12 ]
+
+"$plenofix" decode p.bin -o d.csv --modes m.csv >log
+grep -q '^7 packets, 0 lost, 0 damaged places' log
+[ "$(wc -l <d.csv)" = 29 ]
+awk -F, 'FNR == NR {if (FNR > 1) w[$3 "," $2] = $6; next}
+    FNR > 1 && $7 == 0 && ($5 - w[$2 "," $1])^2 > 4e-12 {exit 1}' s.csv d.csv
+{ head -c 70 p.bin; tail -c +80 p.bin; } >cut.bin
+"$plenofix" decode cut.bin -o d2.csv >log
+grep -q '1 lost, 1 damaged places' log
+
+monitor f/f_00.png f/f_01.png f/f_05.png f/f_03.png f/f_06.png -o l.csv --rest 2 >log 2>err
+grep -q '1 late' log && grep -q 'goes back in time' err
+
+bad() { # exit status wanted, words wanted, command
+    local want=$1 words=$2 got=0
+    shift 2
+    "$@" >/dev/null 2>err || got=$?
+    [ $got = "$want" ] && grep -q "$words" err ||
+        { echo "$*: exit $got, $(cat err); want $want, $words"; exit 1; }
+}
+bad 2 'want --lut' "$plenofix" monitor f -o x.csv
+bad 1 'want more than' monitor f/f_00.png -o x.csv
+bad 2 'modes' monitor f -o x.csv --modes 120
+bad 1 'no packet' "$plenofix" decode s.csv -o x.csv
+bad 2 'packet file' "$plenofix" decode
+printf 'i,j,hx\n1,1,1\n' >r.csv
+bad 1 'no column hy' monitor f -o x.csv
+printf 'i,j,hx,hy\n9,9,99,3\n' >r.csv
+bad 1 'half sizes' monitor f -o x.csv
+[ ! -e x.csv ]
+echo "monitor and decode work"

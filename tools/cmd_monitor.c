@@ -1,0 +1,685 @@
+/* SPDX-License-Identifier: MIT
+ * monitor: frames in, displacement of regions and their modes out. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "commands.h"
+#include "common/args.h"
+#include "common/err.h"
+#include "common/folder.h"
+#include "common/frame.h"
+#include "common/memory.h"
+#include "common/out.h"
+#include "common/progress.h"
+#include "common/table.h"
+#include "motion/regions.h"
+#include "motion/uff.h"
+#include "plenofix/modal.h"
+#include "plenofix/packet.h"
+#include "plenofix/roi.h"
+
+#define FRAMES_MAX 100000
+#define MODES_MAX  8
+#define ONE        16777216.0
+
+typedef struct request {
+    const char *table, *regions, *out, *packets, *uff, *modes;
+    double rate, mm_lens, mm_slope, radius, limit;
+    int bits, rest, views, axis, seek, no_steady, link, white;
+} request;
+
+typedef struct job {
+    request r;
+    char **name; /* frames, in order */
+    int frames;
+    plft_table table;
+    plfx_roi_cfg cfg;
+    plfx_roi roi;
+    void *ws;
+    plfx_roi_result out[PLFX_ROI_MAX];
+    double freq[MODES_MAX], zeta[MODES_MAX];
+    int modes;
+    plfx_modal *modal; /* [region][mode] */
+    double *series;    /* [frame][region][3], NaN where not valid */
+    plft_out csv, packets;
+    plfx_packet_rate fit;
+    uint16_t seq;
+    plfx_packet_health health;
+    long first, last; /* numbers of the frames, last: of the newest */
+} job;
+
+/* The last run of digits of the stem; -1 without. */
+static long number_of(const char *path)
+{
+    const char *base = strrchr(path, '/');
+    const char *p;
+    long v = -1;
+
+    base = base ? base + 1 : path;
+    for (p = base; *p && *p != '.'; p++) {
+        if (*p >= '0' && *p <= '9') {
+            char *end;
+            v = strtol(p, &end, 10);
+            p = end - 1;
+        }
+    }
+    return v;
+}
+
+/* Frames are named one by one, or by their folder. */
+static int name_frames(job *j, const char **operands, int n)
+{
+    plft_names names;
+    int k;
+    int rc;
+
+    if (n > 1 || strstr(operands[0], ".png") || strstr(operands[0], ".tif")) {
+        j->name = plft_alloc((size_t)n, sizeof *j->name);
+        for (k = 0; j->name && k < n; k++) {
+            j->name[k] = plft_strdup(operands[k]);
+        }
+        j->frames = n;
+        return j->name ? 0 : PLFT_DATA;
+    }
+    rc = plft_folder_numbered(&names, operands[0], NULL);
+    if (rc == 0) {
+        j->frames = names.n;
+        j->name = plft_alloc((size_t)names.n, sizeof *j->name);
+        for (k = 0; j->name && k < names.n; k++) {
+            j->name[k] = plft_join(operands[0], names.name[k]);
+        }
+        plft_names_free(&names);
+        rc = j->name ? 0 : PLFT_DATA;
+    }
+    return rc;
+}
+
+/* "6.2:0.015,22:0.012": frequency in Hz and expected damping. */
+static int parse_modes(job *j)
+{
+    const char *p = j->r.modes;
+    char *end;
+
+    while (p && *p) {
+        if (j->modes == MODES_MAX) {
+            return plft_fail(PLFT_USAGE, "--modes: at most %d", MODES_MAX);
+        }
+        j->freq[j->modes] = strtod(p, &end);
+        j->zeta[j->modes] = 0.01;
+        if (end != p && *end == ':') {
+            p = end + 1;
+            j->zeta[j->modes] = strtod(p, &end);
+        }
+        if (end == p || (*end != '\0' && *end != ',') || !(j->freq[j->modes] > 0) ||
+            !(j->freq[j->modes] < j->r.rate / 2) || !(j->zeta[j->modes] > 0) ||
+            !(j->zeta[j->modes] < 1)) {
+            return plft_fail(PLFT_USAGE,
+                             "--modes %s: want HZ[:DAMPING],... under half of --rate",
+                             j->r.modes);
+        }
+        j->modes++;
+        p = *end == ',' ? end + 1 : end;
+    }
+    return 0;
+}
+
+static int start_modes(job *j)
+{
+    int n = j->cfg.regions * j->modes;
+    int k;
+
+    j->modal = plft_alloc((size_t)(n > 0 ? n : 1), sizeof *j->modal);
+    for (k = 0; j->modal && k < n; k++) {
+        plfx_modal_cfg c = {(uint32_t)lround(j->r.rate * 1000), 0, 1, 8, 8};
+        int m = k % j->modes;
+        c.freq_uhz = (uint32_t)lround(j->freq[m] * 1e6);
+        c.every =
+            plfx_modal_every(c.rate_mhz, c.freq_uhz, (int32_t)lround(j->zeta[m] * 1e6));
+        c.block = (int32_t)(60.0 * j->r.rate / c.every / PLFX_MODAL_BLOCKS);
+        c.block = c.block < 8 ? 8 : c.block;
+        if (plfx_modal_init(&j->modal[k], &c) != PLFX_OK) {
+            return plft_fail(PLFT_USAGE, "--modes %g: want 1 to 8000 frames a second",
+                             j->freq[m]);
+        }
+    }
+    return j->modal ? 0 : PLFT_DATA;
+}
+
+/* The centre and a cross of views out to the radius, evenly. */
+static void cross_of_views(plfx_roi_cfg *c, int views, double radius)
+{
+    int arm = (views - 1) / 4;
+    int k;
+
+    c->views = 4 * arm + 1;
+    for (k = 1; k <= arm; k++) {
+        int16_t d = (int16_t)lround(256.0 * radius * k / arm);
+        c->at[4 * k - 3].u_q8 = d;
+        c->at[4 * k - 2].u_q8 = (int16_t)-d;
+        c->at[4 * k - 1].v_q8 = d;
+        c->at[4 * k].v_q8 = (int16_t)-d;
+    }
+}
+
+static int configure(job *j)
+{
+    double radius = j->r.radius;
+    plfx_status status;
+    size_t size;
+    int rc = plft_table_read(&j->table, j->r.table);
+
+    rc = rc ? rc : plft_regions_read(&j->cfg, j->r.regions);
+    if (rc != 0) {
+        return rc;
+    }
+    j->cfg.lut = &j->table.lut;
+    j->cfg.tone = plfx_tone_unity(12);
+    j->cfg.white = j->r.white;
+    j->cfg.rest = j->r.rest;
+    j->cfg.steps = 2;
+    j->cfg.seek = j->r.seek;
+    j->cfg.residual_q8 = 640;
+    radius = radius > 0 ? radius : j->table.lut.radius_q8 / 256.0 - 0.5;
+    cross_of_views(&j->cfg, j->r.views, radius > 1 ? radius : 1);
+    size = plfx_roi_ws(&j->cfg);
+    j->ws = plft_alloc_ws(size ? size : 1);
+    status = j->ws ? plfx_roi_init(&j->roi, &j->cfg, j->ws, size) : PLFX_E_SIZE;
+    if (status == PLFX_E_RANGE) {
+        return plft_fail(PLFT_DATA, "%s: regions want a square lattice", j->r.table);
+    }
+    if (status != PLFX_OK) {
+        return plft_fail(PLFT_DATA, "%s: regions or views out of range", j->r.regions);
+    }
+    return start_modes(j);
+}
+
+static int read_frame(const job *j, int k, plft_frame *f)
+{
+    int rc = plft_frame_read(f, j->name[k], j->r.bits);
+
+    if (rc == 0) {
+        plft_frame_to_grey(f);
+        if (f->w != j->table.lut.sensor_w || f->h != j->table.lut.sensor_h) {
+            rc = plft_fail(PLFT_DATA, "%s is %dx%d but %s is for %dx%d", j->name[k],
+                           f->w, f->h, j->r.table, j->table.lut.sensor_w,
+                           j->table.lut.sensor_h);
+            plft_frame_free(f);
+        }
+    }
+    return rc;
+}
+
+/* Scale of a component in the outputs: millimetres when their size was given. */
+static double scale(const job *j, int axis)
+{
+    double mm = axis == 2 ? j->r.mm_slope : j->r.mm_lens;
+
+    return (mm > 0 ? mm : 1.0) / ONE;
+}
+
+static void csv_head(job *j)
+{
+    const char *uv = j->r.mm_lens > 0 ? "mm" : "pitch";
+    const char *w = j->r.mm_slope > 0 ? "mm" : "slope";
+
+    fprintf(j->csv.file,
+            "frame,time_s,region,u_%s,v_%s,w_%s,u_sigma_%s,v_sigma_%s,w_sigma_%s,"
+            "light_ratio,residual_ratio,flags\n",
+            uv, uv, w, uv, uv, w);
+}
+
+static void csv_number(FILE *f, int32_t v, double s)
+{
+    if (v == PLFX_ROI_NONE) {
+        fputs(",", f);
+    } else {
+        fprintf(f, ",%.7g", v * s);
+    }
+}
+
+static void csv_rows(job *j, long number, double time)
+{
+    FILE *f = j->csv.file;
+    int k;
+
+    for (k = 0; k < j->cfg.regions; k++) {
+        const plfx_roi_result *o = &j->out[k];
+        fprintf(f, "%ld,%.6f,%d", number, time, k);
+        csv_number(f, o->u_q24, scale(j, 0));
+        csv_number(f, o->v_q24, scale(j, 1));
+        csv_number(f, o->w_q24, scale(j, 2));
+        fprintf(f, ",%.5g,%.5g,%.5g,%.4f,%.3f,%u\n", o->u_sigma_q24 * scale(j, 0),
+                o->v_sigma_q24 * scale(j, 1), o->w_sigma_q24 * scale(j, 2),
+                o->light_q12 / 4096.0, o->residual_q8 / 256.0, o->flags);
+    }
+}
+
+static int32_t axis_of(const plfx_roi_result *o, int axis)
+{
+    return axis == 0 ? o->u_q24 : axis == 1 ? o->v_q24 : o->w_q24;
+}
+
+/* A sample of the tracker: 2^-14 lens in the plane, 2^-20 of slope. */
+static void feed_modes(job *j, long lost)
+{
+    int down = j->r.axis == 2 ? 4 : 10;
+    int k;
+    int m;
+
+    for (k = 0; k < j->cfg.regions; k++) {
+        int32_t v = axis_of(&j->out[k], j->r.axis);
+        for (m = 0; m < j->modes; m++) {
+            plfx_modal *t = &j->modal[k * j->modes + m];
+            plfx_modal_gap(t, (uint32_t)lost);
+            if (j->out[k].flags || v == PLFX_ROI_NONE) {
+                plfx_modal_gap(t, 1);
+            } else {
+                double s = floor(ldexp(v, -down) + 0.5);
+                s = s > 32767 ? 32767 : s < -32768 ? -32768 : s;
+                (void)plfx_modal_push(t, (int16_t)s);
+            }
+        }
+    }
+}
+
+static void keep_series(job *j, int row)
+{
+    int k;
+    int a;
+
+    for (k = 0; k < j->cfg.regions; k++) {
+        for (a = 0; a < 3; a++) {
+            int32_t v = axis_of(&j->out[k], a);
+            j->series[((size_t)row * (size_t)j->cfg.regions + (size_t)k) * 3 +
+                      (size_t)a] =
+                j->out[k].flags || v == PLFX_ROI_NONE ? NAN : v * scale(j, a);
+        }
+    }
+}
+
+static int16_t packed(int32_t q24, int shift)
+{
+    double v = floor(ldexp(q24, shift - 24) + 0.5);
+
+    return (int16_t)(q24 == PLFX_ROI_NONE ? -32768
+                     : v > 32767          ? 32767
+                     : v < -32767         ? -32767
+                                          : v);
+}
+
+static plfx_packet_head head(job *j, double time)
+{
+    plfx_packet_head h;
+
+    memset(&h, 0, sizeof h);
+    h.time_ns = (uint64_t)llround(time * 1e9);
+    h.table = j->table.lut.crc;
+    h.apid = 100;
+    h.seq = j->seq;
+    j->seq = plfx_packet_next(j->seq);
+    return h;
+}
+
+static void send(job *j, const uint8_t *buf, size_t len)
+{
+    (void)fwrite(buf, 1, len, j->packets.file);
+}
+
+static void send_regions(job *j, double time)
+{
+    uint8_t buf[PLFX_PACKET_MAX];
+    plfx_packet_region rec[PLFX_ROI_MAX];
+    plfx_packet_regions info;
+    size_t len;
+    int k;
+
+    memset(&info, 0, sizeof info);
+    info.head = head(j, time);
+    info.n = (uint8_t)j->fit.count;
+    info.uv_shift = 12; /* +-8 lenses */
+    info.w_shift = 18;  /* +-1/8 of slope */
+    for (k = 0; k < j->fit.count; k++) {
+        const plfx_roi_result *o = &j->out[k];
+        rec[k].u = packed(o->u_q24, info.uv_shift);
+        rec[k].v = packed(o->v_q24, info.uv_shift);
+        rec[k].w = packed(o->w_q24, info.w_shift);
+        rec[k].sigma =
+            plfx_packet_sigma(o->w_sigma_q24 ? o->w_sigma_q24 : o->u_sigma_q24);
+        rec[k].flags = o->flags;
+    }
+    if (plfx_packet_put_regions(&info, rec, buf, sizeof buf, &len) == PLFX_OK) {
+        send(j, buf, len);
+    }
+}
+
+static plfx_packet_mode packed_mode(const plfx_mode *m, int region, int mode)
+{
+    plfx_packet_mode p;
+
+    memset(&p, 0, sizeof p);
+    p.mode = (uint8_t)mode;
+    p.channel = (uint8_t)region;
+    p.flags = (uint8_t)m->flags;
+    p.freq_uhz = m->freq_uhz;
+    p.freq_sigma_uhz = m->freq_sigma_uhz;
+    p.damp_ppm = m->damp_ppm;
+    p.damp_sigma_ppm = m->damp_sigma_ppm;
+    p.amp = m->amp_q8;
+    p.amp_sigma = m->amp_sigma_q8;
+    p.record_ms = m->record_ms;
+    return p;
+}
+
+/* Region in which the mode is strongest. */
+static int strongest(const job *j, int mode, plfx_mode *best)
+{
+    int at = 0;
+    int k;
+
+    memset(best, 0, sizeof *best);
+    for (k = 0; k < j->cfg.regions; k++) {
+        plfx_mode m;
+        if (plfx_modal_alarm(&j->modal[k * j->modes + mode],
+                             (int32_t)lround(j->r.limit * 1e6), 384, &m) == PLFX_OK &&
+            (m.flags & PLFX_MODE_VALID) && m.amp_q8 > best->amp_q8) {
+            *best = m;
+            at = k;
+        }
+    }
+    return at;
+}
+
+static void send_slow(job *j, double time)
+{
+    uint8_t buf[PLFX_PACKET_MAX];
+    plfx_packet_mode rec[MODES_MAX];
+    plfx_packet_head h;
+    size_t len;
+    int m;
+
+    j->health.alarms = 0;
+    for (m = 0; m < j->modes; m++) {
+        plfx_mode best;
+        int at = strongest(j, m, &best);
+        rec[m] = packed_mode(&best, at, m);
+        j->health.alarms =
+            (uint16_t)(j->health.alarms + ((best.flags & PLFX_MODE_ALARM) != 0));
+    }
+    if (j->modes > 0) {
+        h = head(j, time);
+        if (plfx_packet_put_modes(&h, rec, j->modes, buf, sizeof buf, &len) ==
+            PLFX_OK) {
+            send(j, buf, len);
+        }
+    }
+    h = head(j, time);
+    if (plfx_packet_put_health(&h, &j->health, buf, sizeof buf, &len) == PLFX_OK) {
+        send(j, buf, len);
+    }
+}
+
+static void take_health(job *j, const plfx_roi_shake *shake, long lost)
+{
+    double light = 0;
+    int k;
+
+    j->health.frames++;
+    j->health.lost += (uint32_t)lost;
+    j->health.regions = (uint16_t)j->cfg.regions;
+    j->health.valid = 0;
+    for (k = 0; k < j->cfg.regions; k++) {
+        j->health.valid = (uint16_t)(j->health.valid + (j->out[k].flags == 0));
+        j->health.rejected += j->out[k].flags != 0;
+        light += j->out[k].light_q12;
+    }
+    j->health.light_q12 = (uint16_t)lround(light / j->cfg.regions);
+    j->health.shake_q24[0] = shake->u_q24;
+    j->health.shake_q24[1] = shake->v_q24;
+    j->health.shake_q24[2] = shake->w_q24;
+}
+
+/* One frame after the rest state; row counts them. */
+static int measure(job *j, const plfx_roi_frame *f, long number, int row)
+{
+    double time = (double)(number - j->first) / j->r.rate;
+    long lost = row > 0 ? number - j->last - 1 : 0;
+    plfx_roi_shake shake;
+
+    memset(&shake, 0, sizeof shake);
+    if (plfx_roi_measure(&j->roi, f, j->out) != PLFX_OK) {
+        return plft_fail(PLFT_DATA, "frame %ld: could not be measured", number);
+    }
+    if (!j->r.no_steady && plfx_roi_shake_fit(&j->roi, j->out, &shake) == PLFX_OK) {
+        plfx_roi_steady(&j->roi, &shake, j->out);
+    }
+    csv_rows(j, number, time);
+    feed_modes(j, lost);
+    keep_series(j, row);
+    take_health(j, &shake, lost);
+    if (j->packets.file) {
+        if (row % j->fit.every == 0) {
+            send_regions(j, time);
+        }
+        if ((row + 1) % (int)ceil(j->r.rate) == 0) {
+            send_slow(j, time);
+        }
+    }
+    j->last = number;
+    return 0;
+}
+
+static int one_frame(job *j, int k, int *row)
+{
+    plft_frame f;
+    plfx_raw raw;
+    plfx_roi_frame frame = {&raw, NULL};
+    long number = number_of(j->name[k]);
+    int rc = read_frame(j, k, &f);
+
+    if (rc != 0) {
+        return rc;
+    }
+    number = number < 0 ? k : number;
+    memset(&raw, 0, sizeof raw);
+    raw.bytes = (const uint8_t *)f.px;
+    raw.size = (size_t)f.w * (size_t)f.h * 2u;
+    raw.format = PLFX_RAW_U16;
+    raw.bits = (uint8_t)f.bits;
+    raw.w = f.w;
+    raw.h = f.h;
+    if (j->roi.rested < j->cfg.rest) {
+        rc = plfx_roi_rest(&j->roi, &frame) == PLFX_OK
+                 ? 0
+                 : plft_fail(PLFT_DATA, "%s: could not be sampled", j->name[k]);
+        j->first = number + 1;
+    } else if (*row > 0 && number <= j->last) {
+        plft_warn("%s: goes back in time; left out", j->name[k]);
+        j->health.late++;
+    } else {
+        rc = measure(j, &frame, number, *row);
+        (*row)++;
+    }
+    plft_frame_free(&f);
+    return rc;
+}
+
+static void print_modes(job *j)
+{
+    double unit = scale(j, j->r.axis) * ONE / (j->r.axis == 2 ? 1048576.0 : 16384.0);
+    int m;
+
+    for (m = 0; m < j->modes; m++) {
+        plfx_mode best;
+        int at = strongest(j, m, &best);
+        if (!(best.flags & PLFX_MODE_VALID)) {
+            printf("mode %g Hz: not found\n", j->freq[m]);
+            continue;
+        }
+        printf(
+            "mode %g Hz: %.4f +- %.4f Hz, damping %.3f +- %.3f %%, rms %.5g +- %.2g in "
+            "region %d, record %.1f s%s%s%s\n",
+            j->freq[m], best.freq_uhz / 1e6, best.freq_sigma_uhz / 1e6,
+            best.damp_ppm / 1e4, best.damp_sigma_ppm / 1e4, best.amp_q8 / 256.0 * unit,
+            best.amp_sigma_q8 / 256.0 * unit, at, best.record_ms / 1e3,
+            best.flags & PLFX_MODE_SHORT ? ", short" : "",
+            best.flags & PLFX_MODE_GAP ? ", with a gap" : "",
+            best.flags & PLFX_MODE_ALARM ? ", ALARM" : "");
+    }
+}
+
+static int run(job *j)
+{
+    int row = 0;
+    int rc = plft_out_open(&j->csv, j->r.out);
+    int k;
+
+    if (rc == 0 && j->r.packets) {
+        rc = plft_out_open(&j->packets, j->r.packets);
+    }
+    j->series =
+        plft_alloc((size_t)j->frames * (size_t)j->cfg.regions * 3u, sizeof *j->series);
+    rc = rc == 0 && !j->series ? PLFT_DATA : rc;
+    if (rc == 0) {
+        csv_head(j);
+    }
+    for (k = 0; rc == 0 && k < j->frames; k++) {
+        rc = one_frame(j, k, &row);
+        plft_progress("frames", (double)(k + 1) / j->frames);
+    }
+    if (rc == 0 && j->r.uff) {
+        rc = plft_uff_write(j->r.uff, j->series, row, j->cfg.regions, 1.0 / j->r.rate,
+                            j->r.mm_lens > 0 && j->r.mm_slope > 0 ? "mm" : "pitch");
+    }
+    rc = rc ? rc : plft_out_commit(&j->csv);
+    rc = rc || !j->r.packets ? rc : plft_out_commit(&j->packets);
+    if (rc == 0) {
+        printf("%d frames, %d regions, %u lost, %u late, %u measurements flagged, "
+               "workspace %zu bytes\n",
+               row, j->cfg.regions, (unsigned)j->health.lost, (unsigned)j->health.late,
+               (unsigned)j->health.rejected, plfx_roi_ws(&j->cfg));
+        print_modes(j);
+    }
+    return rc;
+}
+
+static int fit_link(job *j)
+{
+    plfx_status s;
+
+    j->fit.every = 1;
+    j->fit.count = j->cfg.regions;
+    if (!j->r.packets || j->r.link == 0) {
+        return 0;
+    }
+    s = plfx_packet_fit((uint32_t)j->r.link, (uint32_t)lround(j->r.rate * 1000),
+                        j->cfg.regions, j->modes, &j->fit);
+    return s == PLFX_OK
+               ? 0
+               : plft_fail(PLFT_USAGE, "--link %d: carries not one region", j->r.link);
+}
+
+static void finish(job *j)
+{
+    int k;
+
+    plft_out_abort(&j->csv);
+    plft_out_abort(&j->packets);
+    for (k = 0; j->name && k < j->frames; k++) {
+        free(j->name[k]);
+    }
+    free(j->name);
+    free(j->ws);
+    free(j->modal);
+    free(j->series);
+    plft_table_free(&j->table);
+    free(j);
+}
+
+static const plft_usage usage = {
+    "monitor",
+    "FRAME... | FOLDER --lut CAM.plut --regions R.csv -o SERIES.csv [options]",
+    "Displacement of regions against the first frames, with standard errors and "
+    "flags,\n"
+    "and the modes in it.  Numbers in frame names are their times; gaps stay gaps."};
+
+static int parse(int argc, char **argv, request *r, const char **operands, int *n,
+                 int *helped)
+{
+    const plft_option options[] = {
+        {"--lut", PLFT_TEXT, &r->table, "CAM.plut", 0, 0, "lens table"},
+        {"--regions", PLFT_TEXT, &r->regions, "R.csv", 0, 0,
+         "columns i,j,hx,hy[,reference], lenses"},
+        {"-o", PLFT_TEXT, &r->out, "SERIES.csv", 0, 0, "the series"},
+        {"--rate", PLFT_REAL, &r->rate, "HZ", 1, 8000, "frames a second (200)"},
+        {"--rest", PLFT_INT, &r->rest, "N", 1, PLFX_ROI_REST_MAX,
+         "frames of the rest state (8)"},
+        {"--bits", PLFT_INT, &r->bits, "N", 8, 16, "significant bits of 16-bit files"},
+        {"--views", PLFT_INT, &r->views, "N", 5, 97, "centre and cross of views (25)"},
+        {"--radius", PLFT_REAL, &r->radius, "R", 1, 127, "of the cross, pixels"},
+        {"--white", PLFT_FLAG, &r->white, NULL, 0, 0, "use the table's white gains"},
+        {"--seek", PLFT_INT, &r->seek, "N", 0, PLFX_ROI_SEEK_MAX,
+         "lenses around which a lost region is sought (0)"},
+        {"--no-steady", PLFT_FLAG, &r->no_steady, NULL, 0, 0,
+         "keep camera shake although there are reference regions"},
+        {"--mm-per-lens", PLFT_REAL, &r->mm_lens, "X", 1e-6, 1e6, "u and v in mm"},
+        {"--mm-per-slope", PLFT_REAL, &r->mm_slope, "X", -1e9, 1e9, "w in mm"},
+        {"--modes", PLFT_TEXT, &r->modes, "HZ[:Z],...", 0, 0,
+         "track modes, each with its expected damping (0.01)"},
+        {"--axis", PLFT_WORD, &r->axis, "u|v|w", 0, 0, "of the modes (w)"},
+        {"--limit", PLFT_REAL, &r->limit, "Z", 0, 1, "damping under which to alarm"},
+        {"--packets", PLFT_TEXT, &r->packets, "P.bin", 0, 0, "CCSDS space packets"},
+        {"--link", PLFT_INT, &r->link, "BITS", 0, 1e9, "bit/s that packets must fit"},
+        {"--uff", PLFT_TEXT, &r->uff, "U.uff", 0, 0, "series as UFF dataset 58"},
+        {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
+
+    return plft_args(argc, argv, &usage, options, operands, FRAMES_MAX, n, helped);
+}
+
+static int check(const request *r, int n)
+{
+    int rc = n < 1         ? plft_fail(PLFT_USAGE, "want frames or their folder")
+             : !r->table   ? plft_fail(PLFT_USAGE, "want --lut CAM.plut")
+             : !r->regions ? plft_fail(PLFT_USAGE, "want --regions R.csv")
+             : !r->out     ? plft_fail(PLFT_USAGE, "want -o SERIES.csv")
+                           : 0;
+
+    rc = rc ? rc : plft_out_check(r->out);
+    rc = rc ? rc : plft_out_check(r->packets);
+    return rc ? rc : plft_out_check(r->uff);
+}
+
+int plft_cmd_monitor(int argc, char **argv)
+{
+    job *j = plft_alloc(1, sizeof *j);
+    const char **operands = plft_alloc(FRAMES_MAX, sizeof *operands);
+    int n = 0;
+    int helped = 0;
+    int rc = PLFT_DATA;
+
+    if (j && operands) {
+        j->r.rate = 200;
+        j->r.rest = 8;
+        j->r.views = 25;
+        j->r.axis = 2;
+        rc = parse(argc, argv, &j->r, operands, &n, &helped);
+        if (rc == 0 && !helped) {
+            rc = check(&j->r, n);
+            rc = rc ? rc : name_frames(j, operands, n);
+            rc = rc ? rc : parse_modes(j);
+            rc = rc ? rc : configure(j);
+            rc = rc ? rc : fit_link(j);
+            if (rc == 0 && j->frames <= j->cfg.rest) {
+                rc = plft_fail(PLFT_DATA, "%d frames: want more than the %d of --rest",
+                               j->frames, j->cfg.rest);
+            }
+            rc = rc ? rc : run(j);
+        }
+    }
+    free(operands);
+    if (j) {
+        finish(j);
+    }
+    return rc;
+}
