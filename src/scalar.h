@@ -90,19 +90,10 @@ static inline int32_t plfx_correlation_q15(uint32_t cost, uint32_t g)
     return plfx_clamp_i32(r, -32768, 32767);
 }
 
-/* floor(2^steps * num / den) for num <= den < 2^30, restoring, one bit a step; the
- * first step gives the integer part. */
+/* floor(2^steps * num / den), num < 2^24, steps <= 8. */
 static inline uint32_t plfx_divide(uint32_t num, uint32_t den, int32_t steps)
 {
-    uint32_t q = 0;
-    int32_t i;
-
-    for (i = 0; i <= steps; i++) {
-        uint32_t bit = num >= den;
-        q = 2u * q + bit;
-        num = 2u * (num - (bit ? den : 0u));
-    }
-    return q;
+    return (num << steps) / den;
 }
 
 /* Vertex between labels from the rises a (next) and b (previous), 16 bits each:

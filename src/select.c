@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "rows.h"
+#include "sweep_state.h"
 #include "fix.h"
 
 plfx_winner plfx_select(const uint16_t *cost, int32_t n, int32_t step, int32_t fit)
@@ -31,4 +31,53 @@ plfx_winner plfx_select(const uint16_t *cost, int32_t n, int32_t step, int32_t f
                                    (uint32_t)(c[-step] - w.best), fit);
     }
     return w;
+}
+
+/* One label enters: a new best makes the least of the labels before its neighbour the
+ * second; a label right behind the best is its neighbour and does not count. */
+static void enter(const plfx_race *r, const uint16_t *restrict cost, int32_t l,
+                  int32_t n)
+{
+    uint16_t *restrict label = r->label;
+    uint16_t *restrict best = r->best;
+    uint16_t *restrict second = r->second;
+    uint16_t *restrict before = r->before;
+    uint16_t *restrict won = r->won;
+    int32_t x;
+
+    for (x = 0; x < n; x++) {
+        uint16_t v = cost[x];
+        uint16_t b = best[x];
+        uint16_t least = v < b ? v : b;
+        uint16_t beside = (uint16_t)(v | won[x]);
+        uint16_t rest = second[x] < beside ? second[x] : beside;
+        uint16_t m = (uint16_t) - (least != b);
+        second[x] = m ? before[x] : rest;
+        label[x] = m ? (uint16_t)l : label[x];
+        before[x] = b;
+        best[x] = least;
+        won[x] = m;
+    }
+}
+
+void plfx_race_row(const plfx_sweep_state *s)
+{
+    int32_t r = s->plan->cfg.window / 2;
+    size_t nx = (size_t)s->plan->nx;
+    plfx_race lane = {s->race.label + r, s->race.best + r, s->race.second + r,
+                      s->race.before + r, s->race.won + r};
+    int32_t n = s->plan->nx - 2 * r;
+    int32_t l;
+    int32_t x;
+
+    for (x = 0; x < n; x++) {
+        lane.label[x] = 0;
+        lane.best[x] = s->cost[r + x];
+        lane.second[x] = 65535u;
+        lane.before[x] = 65535u;
+        lane.won[x] = 65535u;
+    }
+    for (l = 1; l < s->plan->cfg.labels; l++) {
+        enter(&lane, s->cost + (size_t)l * nx + r, l, n);
+    }
 }

@@ -13,6 +13,42 @@ static int32_t is_zncc(const plfx_plan *p)
     return p->cfg.cost == PLFX_COST_ZNCC;
 }
 
+#if PLFX_ZNCC_BY_ROWS
+static void carve_rows(plfx_sweep_state *s, plfx_arena *a, size_t nx)
+{
+    uint32_t *words;
+
+    s->rows = plfx_take(a, 1, sizeof(plfx_zncc_rows));
+    words = plfx_take(a, 18u * nx + 192u, sizeof(uint32_t));
+    if (s->rows) {
+        s->rows->a_low = words;
+        s->rows->a_exp = (int32_t *)words + nx;
+        s->rows->ab_sum = words + 2u * nx;
+        s->rows->b_sum = words + 3u * nx;
+        s->rows->b_g = words + 6u * nx;
+        s->rows->half[0] = words + 9u * nx;
+        s->rows->half[1] = words + 12u * nx;
+        s->rows->b_exp = (int32_t *)words + 15u * nx;
+        s->rows->steps = words + 18u * nx;
+    }
+    words = plfx_take(a, (size_t)s->pairs, sizeof(plfx_whole));
+    if (s->rows) {
+        s->rows->whole = (plfx_whole *)(void *)words;
+    }
+    words = plfx_take(a, 1, sizeof(plfx_zncc_piece));
+    if (s->rows) {
+        s->rows->piece = (plfx_zncc_piece *)(void *)words;
+    }
+}
+#else
+static void carve_rows(plfx_sweep_state *s, plfx_arena *a, size_t nx)
+{
+    (void)a;
+    (void)nx;
+    s->rows = NULL;
+}
+#endif
+
 static void carve_zncc(plfx_sweep_state *s, plfx_arena *a, size_t nx, size_t cells)
 {
     s->b_col = plfx_take(a, cells, sizeof(uint32_t));
@@ -22,6 +58,12 @@ static void carve_zncc(plfx_sweep_state *s, plfx_arena *a, size_t nx, size_t cel
     s->aa_col = plfx_take(a, nx, sizeof(uint32_t));
     s->a_sum = plfx_take(a, nx, sizeof(uint64_t));
     s->a_rsqrt = plfx_take(a, nx, sizeof(plfx_rsqrt));
+    carve_rows(s, a, nx);
+    s->race.label = plfx_take(a, 5u * nx, sizeof(uint16_t));
+    s->race.best = s->race.label + nx;
+    s->race.second = s->race.label + 2u * nx;
+    s->race.before = s->race.label + 3u * nx;
+    s->race.won = s->race.label + 4u * nx;
 }
 
 static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
@@ -34,7 +76,7 @@ static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
     s->pairs = (int32_t)pairs;
     s->span = plfx_take(a, pairs * labels, sizeof(plfx_span));
     s->cost = plfx_take(a, labels * nx, sizeof(uint16_t));
-    s->sample = plfx_take(a, nx, sizeof(uint16_t));
+    s->sample = plfx_take(a, 3u * nx, sizeof(uint16_t));
     s->tex_col = plfx_take(a, nx, sizeof(uint32_t));
     s->tex = plfx_take(a, nx, sizeof(uint32_t));
     s->out.slope_q16 = plfx_take(a, pairs * nx, sizeof(int32_t));
@@ -101,6 +143,7 @@ static void clear(const plfx_sweep_state *s)
     size_t cells = (size_t)s->pairs * s->plan->cfg.labels * nx;
 
     memset(s->tex_col, 0, nx * sizeof(uint32_t));
+    memset(s->tex, 0, nx * sizeof(uint32_t));
     memset(s->b_col, 0, cells * sizeof(uint32_t));
     memset(s->bb_col, 0, cells * sizeof(uint32_t));
     memset(s->ab_col, 0, cells * sizeof(uint32_t));
@@ -111,7 +154,9 @@ static void clear(const plfx_sweep_state *s)
 static void columns(const plfx_sweep_state *s, int32_t y, int32_t sign)
 {
     plfx_zncc_row(s, y, sign);
-    plfx_texture_row(s, y, sign);
+    if (s->plan->cfg.texture > 0) {
+        plfx_texture_row(s, y, sign);
+    }
 }
 
 static void fuse_row(const plfx_sweep_state *s, const plfx_map *row)
@@ -134,7 +179,9 @@ static void target_row(const plfx_sweep_state *s, const plfx_map *out, int32_t y
     plfx_map row = plfx_map_row(out, y);
     int32_t p;
 
-    plfx_texture_sums(s);
+    if (s->plan->cfg.texture > 0) {
+        plfx_texture_sums(s);
+    }
     plfx_zncc_reference(s);
     for (p = 0; p < s->pairs; p++) {
         plfx_zncc_cost(s, p);
@@ -180,6 +227,9 @@ static void sweep_zncc(const plfx_plan *plan, const plfx_views *views, band b,
     s.views = views;
     fill_spans(&s);
     clear(&s);
+#if PLFX_ZNCC_BY_ROWS
+    plfx_zncc_start(&s);
+#endif
     for (y = b.y0 - r; y < b.y1 + r; y++) {
         columns(&s, y, 1);
         if (y >= b.y0 - r + w) {

@@ -3,6 +3,7 @@
 #ifndef PLENOFIX_SRC_SWEEP_STATE_H
 #define PLENOFIX_SRC_SWEEP_STATE_H
 
+#include "kernels.h"
 #include "rows.h"
 
 typedef struct plfx_pair_row { /* results of one pair along a row */
@@ -11,13 +12,47 @@ typedef struct plfx_pair_row { /* results of one pair along a row */
     uint8_t *flags;
 } plfx_pair_row;
 
+/* Whole rows in 32 bits pay where there are lanes; on small cores the code would
+ * not. */
+#define PLFX_ZNCC_BY_ROWS (PLFX_LANES > 1)
+#define PLFX_ZNCC_PIECE   64 /* lenses worked on at a time */
+#define PLFX_ZNCC_FLAT    8  /* exponent of a reference window without variance */
+
+typedef struct plfx_zncc_piece {
+    uint32_t m[PLFX_ZNCC_PIECE], step[PLFX_ZNCC_PIECE];
+} plfx_zncc_piece;
+
+/* A pair whose labels are whole columns, and which. */
+typedef struct plfx_whole {
+    int32_t is, least, most;
+} plfx_whole;
+
+/* Winners along a row by label after label: [nx] each. */
+typedef struct plfx_race {
+    uint16_t *label, *best, *second;
+    uint16_t *before; /* least of all labels but the last one */
+    uint16_t *won;    /* 65535: the last label became the best */
+} plfx_race;
+
+/* What zncc_rows.c works on. */
+typedef struct plfx_zncc_rows {
+    uint32_t *a_low;                 /* [nx] a_sum modulo 2^32, from lens window/2 */
+    int32_t *a_exp;                  /* [nx] exponents of a_rsqrt, likewise */
+    uint32_t *ab_sum;                /* [nx] window sums */
+    uint32_t *b_sum, *b_g, *half[2]; /* [3 nx] likewise; mantissas; folded columns */
+    int32_t *b_exp;                  /* [3 nx] */
+    uint32_t *steps;                 /* [192] table of mantissas with their falls */
+    plfx_whole *whole;               /* [pairs] */
+    plfx_zncc_piece *piece;
+} plfx_zncc_rows;
+
 typedef struct plfx_sweep_state {
     const plfx_plan *plan;
     const plfx_views *views;
     int32_t pairs;                     /* winners a pixel: 1, or one a view */
     plfx_span *span;                   /* [pairs][labels] */
     uint16_t *cost;                    /* [labels][nx] window costs of one pair */
-    uint16_t *sample;                  /* [nx] */
+    uint16_t *sample;                  /* [3 nx]: a row, or one continued */
     uint32_t *tex_col, *tex;           /* [nx] gradient sums: columns, windows */
     plfx_pair_row out;                 /* [pairs][nx] each */
     int32_t *slopes;                   /* [pairs] of one lens */
@@ -26,6 +61,8 @@ typedef struct plfx_sweep_state {
     uint32_t *a_col, *aa_col;          /* [nx] */
     uint64_t *a_sum;                   /* [nx] window sums of the reference */
     plfx_rsqrt *a_rsqrt;               /* [nx] of its variance */
+    plfx_zncc_rows *rows;              /* in the workspace */
+    plfx_race race;
 } plfx_sweep_state;
 
 /* Row y of the views enters (sign 1) or leaves (-1) the columns. */
@@ -34,6 +71,15 @@ void plfx_texture_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
 
 /* Window costs of pair p for the current columns, lenses r .. nx-1-r of s->cost. */
 void plfx_zncc_cost(const plfx_sweep_state *s, int32_t p);
+/* 1: 32 bits hold every moment of the plan; then the same costs faster. */
+int32_t plfx_zncc_narrow(const plfx_plan *plan);
+plfx_whole plfx_zncc_whole(const plfx_plan *plan, int32_t p);
+void plfx_zncc_start(const plfx_sweep_state *s);
+void plfx_zncc_row_whole(const plfx_sweep_state *s, int32_t p, int32_t y,
+                         uint32_t sign);
+void plfx_zncc_cost_narrow(const plfx_sweep_state *s, int32_t p);
+/* Winners of s->cost along the row. */
+void plfx_race_row(const plfx_sweep_state *s);
 /* Reference statistics of the current columns; before plfx_zncc_cost(). */
 void plfx_zncc_reference(const plfx_sweep_state *s);
 /* Texture sums of the current columns into s->tex. */

@@ -41,6 +41,12 @@ void plfx_zncc_row(const plfx_sweep_state *s, int32_t y, int32_t sign)
     add_reference(s->a_col, s->aa_col, plfx_ref_row(s, y), plan->nx, factor);
     for (p = 0; p < s->pairs; p++) {
         int32_t view = plfx_pair_view(plan, p);
+#if PLFX_ZNCC_BY_ROWS
+        if (s->rows->whole[p].is) {
+            plfx_zncc_row_whole(s, p, y, factor);
+            continue;
+        }
+#endif
         for (l = 0; l < plan->cfg.labels; l++) {
             size_t at = ((size_t)p * plan->cfg.labels + (size_t)l) * (size_t)plan->nx;
             plfx_sample_row(plan, s->views, view, plfx_plan_shift(plan, view, l), y, 0,
@@ -69,6 +75,11 @@ void plfx_zncc_reference(const plfx_sweep_state *s)
         if (i >= w - 1) {
             s->a_sum[i - w / 2] = sum;
             s->a_rsqrt[i - w / 2] = plfx_rsqrt_u64(n * squares - sum * sum);
+#if PLFX_ZNCC_BY_ROWS
+            s->rows->a_low[i - w + 1] = (uint32_t)sum;
+            s->rows->a_exp[i - w + 1] =
+                s->a_rsqrt[i - w / 2].g ? s->a_rsqrt[i - w / 2].exp : PLFX_ZNCC_FLAT;
+#endif
         }
     }
 }
@@ -107,6 +118,12 @@ void plfx_zncc_cost(const plfx_sweep_state *s, int32_t p)
     int32_t l;
     int32_t i;
 
+#if PLFX_ZNCC_BY_ROWS
+    if (plfx_zncc_narrow(s->plan)) {
+        plfx_zncc_cost_narrow(s, p);
+        return;
+    }
+#endif
     for (l = 0; l < s->plan->cfg.labels; l++) {
         size_t at = ((size_t)p * s->plan->cfg.labels + (size_t)l) * (size_t)nx;
         moments m = {0, 0, 0};

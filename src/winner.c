@@ -69,11 +69,29 @@ static uint32_t refusals(const plfx_sweep_state *s, const plfx_winner *w,
     return f;
 }
 
+/* The winner of lens x, as plfx_select() would find it. */
+static plfx_winner raced(const plfx_sweep_state *s, int32_t x)
+{
+    const plfx_cfg *c = &s->plan->cfg;
+    plfx_winner w = {s->race.label[x], 0, s->race.best[x], s->race.second[x], 0, 0};
+    int32_t alone = c->labels == 3 && w.label == 1; /* neighbours only */
+
+    w.second = alone ? w.best : w.second;
+    w.tie = !alone && w.second == w.best;
+    w.end = w.label == 0 || w.label == c->labels - 1;
+    if (!w.end) {
+        const uint16_t *k = s->cost + (size_t)w.label * (size_t)s->plan->nx + x;
+        w.frac_q4 = plfx_vertex_q4((uint32_t)(k[s->plan->nx] - w.best),
+                                   (uint32_t)(k[-s->plan->nx] - w.best), c->fit);
+    }
+    return w;
+}
+
 static void winner_at(const plfx_sweep_state *s, int32_t p, int32_t x, int32_t y,
                       uint32_t floor_cost)
 {
     const plfx_plan *plan = s->plan;
-    plfx_winner w = plfx_select(s->cost + x, plan->cfg.labels, plan->nx, plan->cfg.fit);
+    plfx_winner w = raced(s, x);
     const plfx_span *span = s->span + p * plan->cfg.labels + w.label;
     judged j = plan->cfg.cost == PLFX_COST_ZNCC ? judge_zncc(&w, s->a_rsqrt[x].g)
                                                 : judge_sad(&w, floor_cost);
@@ -93,6 +111,7 @@ void plfx_pair_winners(const plfx_sweep_state *s, int32_t p, int32_t y)
     int32_t r = s->plan->cfg.window / 2;
     int32_t x;
 
+    plfx_race_row(s);
     for (x = r; x < s->plan->nx - r; x++) {
         winner_at(s, p, x, y, floor_cost);
     }
@@ -150,11 +169,28 @@ static tally gather(const plfx_sweep_state *s, int32_t x)
     return t;
 }
 
+/* The median of one pair is its slope. */
+static plfx_fused only_pair(const plfx_sweep_state *s, int32_t x)
+{
+    plfx_fused f = {s->out.slope_q16[x], s->out.conf_u16[x], s->out.flags[x]};
+
+    if (f.slope_q16 == PLFX_SLOPE_NONE) {
+        f.conf_u16 = 0;
+    } else {
+        f.flags &= PLFX_FLAG_RANGE_END;
+    }
+    return f;
+}
+
 plfx_fused plfx_fuse_pairs(const plfx_sweep_state *s, int32_t x)
 {
-    tally t = gather(s, x);
     plfx_fused f = {PLFX_SLOPE_NONE, 0, 0};
+    tally t;
 
+    if (s->pairs == 1 && s->plan->cfg.fuse == PLFX_FUSE_MEDIAN) {
+        return only_pair(s, x);
+    }
+    t = gather(s, x);
     f.slope_q16 = s->plan->cfg.fuse == PLFX_FUSE_CORRELATION
                       ? plfx_fuse_mean(s->slopes, s->weights, s->pairs)
                       : plfx_fuse_median(s->slopes, s->weights, s->pairs);
