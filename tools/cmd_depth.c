@@ -311,7 +311,8 @@ static void warn_of_range(const job *j)
 {
     const plft_depth_stats *s = &j->stats;
 
-    if ((double)s->flags[5] > END_SHARE * (double)s->lenses) {
+    /* A range that was found is not the user's to widen. */
+    if (!j->found && (double)s->flags[5] > END_SHARE * (double)s->lenses) {
         plft_warn("%.0f %% of the samples lie at the ends of the slopes %g:%g; widen "
                   "--slopes",
                   100.0 * (double)s->flags[5] / (double)s->lenses, j->lo, j->hi);

@@ -55,19 +55,20 @@ def main():
     gx = box(np.abs(np.diff(grey, axis=1, prepend=grey[:, :1])))
     gy = box(np.abs(np.diff(grey, axis=0, prepend=grey[:1])))
     with tempfile.TemporaryDirectory() as tmp:
-        for method in ("plenoptic", "plenoptic --fuse correlation", "plenoptic --axes u",
-                       "binocular"):
+        for method in ("--method plenoptic", "--method plenoptic --fuse correlation",
+                       "--method plenoptic --axes u", "--method binocular",
+                       "--preset onboard"):
             out = os.path.join(tmp, "d.pfm")
             subprocess.run([plenofix, "depth", "--views-dir", data, "--grid", "7x7", "-o", out,
-                            "--window", str(WINDOW), "--method"] + method.split(),
+                            "--window", str(WINDOW)] + method.split(),
                            check=True, stdout=subprocess.DEVNULL)
             d = read_pfm(out)
-            both = "--axes u" not in method and method != "binocular"
+            both = "--axes u" not in method and "binocular" not in method
             edge = np.isfinite(d) & ((gx + gy if both else gx) > LEAST)
             corner = edge & (gx > LEAST) & (gy > LEAST)
             r, c = plane_rms(d, edge)
             rc, _ = plane_rms(d, corner)
-            print("%-30s edges %6d px, rms %.4f, 1.48 MAD %.4f; corners %6d px, rms %.4f; "
+            print("%-40s edges %6d px, rms %.4f, 1.48 MAD %.4f; corners %6d px, rms %.4f; "
                   "slope at the middle %.3f" % (
                       method, edge.sum(), np.sqrt((r**2).mean()),
                       1.48 * np.median(np.abs(r - np.median(r))), corner.sum(),
