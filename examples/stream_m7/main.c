@@ -72,7 +72,7 @@ static void read_table(const char *path)
     plfx_semihost_close(file);
 }
 
-/* A row of views, SAD over 5 x 5 lenses, 21 slopes from -0.1 to 0.1. */
+/* A row of views, SAD over 5 x 5 lenses, 21 slopes from 0 to 0.2. */
 static void prepare(void)
 {
     static plfx_cfg cfg;
@@ -87,8 +87,8 @@ static void prepare(void)
     cfg.ref = VIEWS / 2;
     cfg.texture = 8;
     cfg.labels = 21;
-    cfg.slope_min_q16 = -6554;
-    cfg.slope_max_q16 = 6554;
+    cfg.slope_min_q16 = 0;
+    cfg.slope_max_q16 = 13107;
     for (k = 0; k < VIEWS; k++) {
         int32_t r = lut.radius_q8 * (k - VIEWS / 2);
         cfg.at[k].u_q8 = (int16_t)((r + (r < 0 ? -1 : 1)) / 2);

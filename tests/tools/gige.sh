@@ -36,11 +36,11 @@ run 0 grab gige -o g.png >log || status=$?
 
 # Served frame -> map is file -> map, to the bit, by both ways.
 for f in g.png s/scene.png; do
-    "$plenofix" depth "$f" --bits 12 --lut t.plut --slopes -0.1:0.1:21 -o "$(basename "$f").pfm" \
+    "$plenofix" depth "$f" --bits 12 --lut t.plut --slopes 0:0.2:21 -o "$(basename "$f").pfm" \
         >/dev/null
 done
 cmp g.png.pfm scene.png.pfm
-live="--lut t.plut --slopes -0.1:0.1:21 --window 5"
+live="--lut t.plut --slopes 0:0.2:21 --window 5"
 # shellcheck disable=SC2086
 run 0 live gige $live --frames 3 --pfm c.pfm -o c.png >log
 [ "$(grep -c measured log)" = 3 ]
@@ -64,7 +64,7 @@ status=0
 run 0 grab gige --format csi10 -o x.png 2>err || status=$?
 [ "$status" = 1 ] && grep -q "cannot be set as wished" err
 status=0
-run 0 live gige --size 40x40 --lut t.plut --slopes -0.1:0.1:21 2>err || status=$?
+run 0 live gige --size 40x40 --lut t.plut --slopes 0:0.2:21 2>err || status=$?
 [ "$status" = 1 ] && grep -q "is for $size pixels" err
 [ ! -e x.png ]
 echo "gige: all as it should be"

@@ -39,12 +39,12 @@ grep -q "1 frames recorded, 4 in all" log
 for g in one g_0000 g_0001 g_0002 g_0003; do
     cmp one.png "$g.png"
 done
-"$plenofix" depth one.png --bits 12 --lut t.plut --slopes -0.1:0.1:21 -o one.pfm >/dev/null
-"$plenofix" depth a.png --bits 12 --lut t.plut --slopes -0.1:0.1:21 -o a.pfm >/dev/null
+"$plenofix" depth one.png --bits 12 --lut t.plut --slopes 0:0.2:21 -o one.pfm >/dev/null
+"$plenofix" depth a.png --bits 12 --lut t.plut --slopes 0:0.2:21 -o a.pfm >/dev/null
 cmp one.pfm a.pfm
 
 # The map of a recording and of the picture are one.
-live="--lut t.plut --slopes -0.1:0.1:21 --window 5 --frames 1"
+live="--lut t.plut --slopes 0:0.2:21 --window 5 --frames 1"
 # shellcheck disable=SC2086
 "$plenofix" live f.plxr $live --pfm r.pfm -o r.png >log
 grep -q "frame 0: [1-9][0-9.]* % measured" log
@@ -83,7 +83,7 @@ fail 2 "want a camera" "$plenofix" record -o x.plxr
 fail 2 "--slopes" "$plenofix" live f.plxr --lut t.plut
 fail 2 "want --lut" "$plenofix" live f.plxr --slopes -1:1:5
 fail 1 "is for $size pixels" "$plenofix" live b.raw --size 40x40 --format mono12p \
-    --lut t.plut --slopes -0.1:0.1:21
+    --lut t.plut --slopes 0:0.2:21
 fail 1 "cannot be opened" "$plenofix" grab v4l2:/dev/absent -o x.png
 if [ -w /dev/full ]; then
     (ulimit -f 8 && trap '' XFSZ && fail 1 "File too large" \
