@@ -43,7 +43,7 @@ plfx_winner plfx_select(const uint16_t *cost, int32_t n, int32_t step, int32_t f
  * sum. */
 uint32_t plfx_sad_floor(const plfx_plan *plan);
 
-/* Baseline squared in 1/4 px^2 units, cut to 16 bits: offsets up to 256 px. */
+/* Baseline squared in 1/64 px^2, 1 .. 65535: it saturates at 32 px. */
 uint16_t plfx_baseline_weight(const plfx_plan *plan, int32_t view);
 
 #endif

@@ -94,9 +94,10 @@ typedef struct plfx_fused { /* one lens of plenoptic stereo */
     uint8_t flags;
 } plfx_fused;
 
-/* Slope of lens x from its pairs by the plan's rule; confidence is the mean over all
- * pairs, those without a slope counting 0; OCCLUDED when more than a third of the
- * measured pairs lie over two labels away. */
+/* Slope of lens x from its pairs by the plan's rule.  A pair that won at an end of the
+ * range does not count unless all did (RANGE_END).  Confidence is the mean over all
+ * pairs, those that do not count giving 0; OCCLUDED when more than a third of the
+ * counted pairs lie over two labels away. */
 plfx_fused plfx_fuse_pairs(const plfx_sweep_state *s, int32_t x);
 
 /* The view of pair p: the p-th one that is not the reference. */

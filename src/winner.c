@@ -147,21 +147,29 @@ typedef struct tally { /* what the pairs of one lens say together */
     uint32_t conf, flags;
 } tally;
 
-/* Slopes and weights of lens x into s->slopes, s->weights. */
-static tally gather(const plfx_sweep_state *s, int32_t x)
+/* A winner at an end of the range is no minimum and counts only when `ends` is set. */
+static int32_t counts(const plfx_sweep_state *s, size_t at, int32_t ends)
 {
-    const plfx_cfg *cfg = &s->plan->cfg;
+    return s->out.slope_q16[at] != PLFX_SLOPE_NONE &&
+           (ends || !(s->out.flags[at] & PLFX_FLAG_RANGE_END));
+}
+
+/* Slopes and weights of lens x into s->slopes, s->weights. */
+static tally gather(const plfx_sweep_state *s, int32_t x, int32_t ends)
+{
+    int32_t weighted = s->plan->cfg.fuse == PLFX_FUSE_CORRELATION;
     tally t = {0, 0, 0};
     int32_t p;
 
     for (p = 0; p < s->pairs; p++) {
         size_t at = (size_t)p * (size_t)s->plan->nx + (size_t)x;
-        s->slopes[p] = s->out.slope_q16[at];
-        s->weights[p] = cfg->fuse == PLFX_FUSE_CORRELATION
+        int32_t counted = counts(s, at, ends);
+        s->slopes[p] = counted ? s->out.slope_q16[at] : PLFX_SLOPE_NONE;
+        s->weights[p] = weighted
                             ? s->out.weight_u16[at]
                             : plfx_baseline_weight(s->plan, plfx_pair_view(s->plan, p));
         t.flags |= s->out.flags[at];
-        if (s->slopes[p] != PLFX_SLOPE_NONE) {
+        if (counted) {
             t.measured++;
             t.conf += s->out.conf_u16[at];
         }
@@ -190,7 +198,11 @@ plfx_fused plfx_fuse_pairs(const plfx_sweep_state *s, int32_t x)
     if (s->pairs == 1 && s->plan->cfg.fuse == PLFX_FUSE_MEDIAN) {
         return only_pair(s, x);
     }
-    t = gather(s, x);
+    t = gather(s, x, 0);
+    if (t.measured == 0) {
+        t = gather(s, x, 1);
+        f.flags = PLFX_FLAG_RANGE_END;
+    }
     f.slope_q16 = s->plan->cfg.fuse == PLFX_FUSE_CORRELATION
                       ? plfx_fuse_mean(s->slopes, s->weights, s->pairs)
                       : plfx_fuse_median(s->slopes, s->weights, s->pairs);
@@ -199,7 +211,6 @@ plfx_fused plfx_fuse_pairs(const plfx_sweep_state *s, int32_t x)
         return f;
     }
     f.conf_u16 = (uint16_t)(t.conf / (uint32_t)s->pairs);
-    f.flags = (uint8_t)(t.flags & PLFX_FLAG_RANGE_END);
     if (3 * dissent(s->plan, s->slopes, s->pairs, f.slope_q16) > t.measured) {
         f.flags |= PLFX_FLAG_OCCLUDED;
     }

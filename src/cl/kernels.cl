@@ -597,54 +597,65 @@ __kernel void zncc_winners(__constant int32_t *P, __global const uint32_t *pair_
 
 /* ---- plenoptic stereo ----------------------------------------------------------- */
 
-static uint32_t fuse_weight(__constant int32_t *P, __global const ushort *weight,
-                            __global const ushort *baseline, int32_t p, size_t at)
+typedef struct pair_planes { /* results of every pair */
+    __global const int32_t *slope;
+    __global const ushort *conf, *weight;
+    __global const uchar *flags;
+    __global const ushort *baseline; /* weight of each pair */
+} pair_planes;
+
+/* Slope of pair p, NONE where it does not count: a winner at an end of the range is no
+ * minimum and counts only when `ends` is set. */
+static int32_t pair_slope(__constant int32_t *P, pair_planes q, int32_t p, int32_t x,
+                          int32_t y, int32_t ends)
 {
-    return P[CL_WEIGHTED] ? weight[at] : baseline[p];
+    size_t at = cell(P, p, y, x);
+
+    return (q.flags[at] & FLAG_RANGE_END) && !ends ? SLOPE_NONE : q.slope[at];
 }
 
-static int32_t fuse_mean(__constant int32_t *P, __global const int32_t *slope,
-                         __global const ushort *weight, int32_t x, int32_t y)
+static int32_t fuse_mean(__constant int32_t *P, pair_planes q, int32_t x, int32_t y,
+                         int32_t ends)
 {
     int64_t sum = 0;
     int64_t total = 0;
     int32_t p;
 
     for (p = 0; p < P[CL_PAIRS]; p++) {
-        size_t at = cell(P, p, y, x);
-        if (slope[at] != SLOPE_NONE) {
-            sum += (int64_t)slope[at] * weight[at];
-            total += weight[at];
+        int32_t s = pair_slope(P, q, p, x, y, ends);
+        if (s != SLOPE_NONE) {
+            int64_t w = q.weight[cell(P, p, y, x)];
+            sum += (int64_t)s * w;
+            total += w;
         }
     }
     return total > 0 ? (int32_t)plfx_div_round_i64(sum, total) : SLOPE_NONE;
 }
 
-/* Baseline weight of slopes up to and including `to`. */
-static int64_t weight_to(__constant int32_t *P, __global const int32_t *slope,
-                         __global const ushort *baseline, int32_t x, int32_t y,
-                         int32_t to)
+/* Weight of slopes up to and including `to`. */
+static int64_t weight_to(__constant int32_t *P, pair_planes q, int32_t x, int32_t y,
+                         int32_t ends, int32_t to)
 {
     int64_t sum = 0;
     int32_t p;
 
     for (p = 0; p < P[CL_PAIRS]; p++) {
-        int32_t s = slope[cell(P, p, y, x)];
+        int32_t s = pair_slope(P, q, p, x, y, ends);
         if (s != SLOPE_NONE && s <= to) {
-            sum += baseline[p];
+            sum += q.baseline[p];
         }
     }
     return sum;
 }
 
-static int32_t next_slope(__constant int32_t *P, __global const int32_t *slope,
-                          int32_t x, int32_t y, int32_t above)
+static int32_t next_slope(__constant int32_t *P, pair_planes q, int32_t x, int32_t y,
+                          int32_t ends, int32_t above)
 {
     int32_t best = INT32_MAX;
     int32_t p;
 
     for (p = 0; p < P[CL_PAIRS]; p++) {
-        int32_t s = slope[cell(P, p, y, x)];
+        int32_t s = pair_slope(P, q, p, x, y, ends);
         if (s != SLOPE_NONE && s > above) {
             best = plfx_min_i32(best, s);
         }
@@ -652,10 +663,10 @@ static int32_t next_slope(__constant int32_t *P, __global const int32_t *slope,
     return best;
 }
 
-static int32_t fuse_median(__constant int32_t *P, __global const int32_t *slope,
-                           __global const ushort *baseline, int32_t x, int32_t y)
+static int32_t fuse_median(__constant int32_t *P, pair_planes q, int32_t x, int32_t y,
+                           int32_t ends)
 {
-    int64_t total = weight_to(P, slope, baseline, x, y, INT32_MAX);
+    int64_t total = weight_to(P, q, x, y, ends, INT32_MAX);
     int32_t median = SLOPE_NONE;
     int64_t below = 0;
     int32_t k;
@@ -664,11 +675,11 @@ static int32_t fuse_median(__constant int32_t *P, __global const int32_t *slope,
         return SLOPE_NONE;
     }
     for (k = 0; k < P[CL_PAIRS] && 2 * below < total; k++) {
-        median = next_slope(P, slope, x, y, median);
-        below = weight_to(P, slope, baseline, x, y, median);
+        median = next_slope(P, q, x, y, ends, median);
+        below = weight_to(P, q, x, y, ends, median);
     }
     if (2 * below == total) {
-        int64_t next = next_slope(P, slope, x, y, median);
+        int64_t next = next_slope(P, q, x, y, ends, median);
         median = (int32_t)plfx_asr_i64(median + next + 1, 1);
     }
     return median;
@@ -679,21 +690,20 @@ typedef struct tally {
     uint32_t conf, flags;
 } tally;
 
-static tally count_pairs(__constant int32_t *P, __global const int32_t *slope,
-                         __global const ushort *conf, __global const uchar *flags,
-                         int32_t x, int32_t y, int32_t fused)
+static tally count_pairs(__constant int32_t *P, pair_planes q, int32_t x, int32_t y,
+                         int32_t ends, int32_t fused)
 {
     int64_t limit = 2 * ((int64_t)P[CL_MAX] - P[CL_MIN]) / (P[CL_LABELS] - 1);
     tally t = {0, 0, 0, 0};
     int32_t p;
 
     for (p = 0; p < P[CL_PAIRS]; p++) {
-        size_t at = cell(P, p, y, x);
-        t.flags |= flags[at];
-        if (slope[at] != SLOPE_NONE) {
-            int64_t d = (int64_t)slope[at] - fused;
+        int32_t s = pair_slope(P, q, p, x, y, ends);
+        t.flags |= q.flags[cell(P, p, y, x)];
+        if (s != SLOPE_NONE) {
+            int64_t d = (int64_t)s - fused;
             t.measured++;
-            t.conf += conf[at];
+            t.conf += q.conf[cell(P, p, y, x)];
             t.against += d > limit || d < -limit;
         }
     }
@@ -721,14 +731,18 @@ __kernel void fuse(__constant int32_t *P, __global const int32_t *slope,
         c = conf[cell(P, 0, y, x)];
         f = flags[cell(P, 0, y, x)];
     } else if (inside(P, x, y)) {
+        pair_planes q = {slope, conf, weight, flags, baseline};
+        int32_t ends;
         tally t;
-        s = P[CL_WEIGHTED] ? fuse_mean(P, slope, weight, x, y)
-                           : fuse_median(P, slope, baseline, x, y);
-        t = count_pairs(P, slope, conf, flags, x, y, s);
+        ends = count_pairs(P, q, x, y, 0, 0).measured == 0;
+        s = P[CL_WEIGHTED] ? fuse_mean(P, q, x, y, ends)
+                           : fuse_median(P, q, x, y, ends);
+        t = count_pairs(P, q, x, y, ends, s);
         c = t.conf / (uint32_t)P[CL_PAIRS];
-        f = s == SLOPE_NONE ? t.flags
-                            : (t.flags & FLAG_RANGE_END) |
-                                  (3 * t.against > t.measured ? FLAG_OCCLUDED : 0);
+        f = s == SLOPE_NONE
+                ? t.flags
+                : (uint32_t)((ends ? FLAG_RANGE_END : 0) |
+                             (3 * t.against > t.measured ? FLAG_OCCLUDED : 0));
     }
     out_slope[cell(P, 0, y, x)] = s;
     out_conf[cell(P, 0, y, x)] = (ushort)(s == SLOPE_NONE ? 0u : c);

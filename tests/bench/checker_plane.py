@@ -55,7 +55,8 @@ def main():
     gx = box(np.abs(np.diff(grey, axis=1, prepend=grey[:, :1])))
     gy = box(np.abs(np.diff(grey, axis=0, prepend=grey[:1])))
     with tempfile.TemporaryDirectory() as tmp:
-        for method in ("--method plenoptic", "--method plenoptic --fuse correlation",
+        for method in ("--method plenoptic", "--method plenoptic --slopes 0.2:0.7:26",
+                       "--method plenoptic --slopes 0.2:0.7:26 --fuse correlation",
                        "--method plenoptic --axes u", "--method binocular",
                        "--preset onboard"):
             out = os.path.join(tmp, "d.pfm")
@@ -68,7 +69,7 @@ def main():
             corner = edge & (gx > LEAST) & (gy > LEAST)
             r, c = plane_rms(d, edge)
             rc, _ = plane_rms(d, corner)
-            print("%-40s edges %6d px, rms %.4f, 1.48 MAD %.4f; corners %6d px, rms %.4f; "
+            print("%-58s edges %6d px, rms %.4f, 1.48 MAD %.4f; corners %6d px, rms %.4f; "
                   "slope at the middle %.3f" % (
                       method, edge.sum(), np.sqrt((r**2).mean()),
                       1.48 * np.median(np.abs(r - np.median(r))), corner.sum(),

@@ -430,7 +430,7 @@ const golden_stage golden_stages[] = {
     {"plan", run_plan, 0xbe726facu},
     {"sweep", run_sweep, 0xab2cfd99u},
     {"sweep hexagonal", run_sweep_hex, 0x95b8b8bbu},
-    {"pairs sad", run_pairs_sad, 0x81225a1du},
+    {"pairs sad", run_pairs_sad, 0x9aa19e48u},
     {"pairs zncc", run_pairs_zncc, 0x7dbfe297u},
     {"gradient", run_gradient, 0x45ac06f9u},
     {"gradient hexagonal", run_gradient_hex, 0xdfec87c8u},

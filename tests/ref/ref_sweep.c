@@ -326,34 +326,42 @@ static int32_t mean(int32_t (*rec)[2], int32_t n)
 
 static winner fused(const plfx_plan *plan, const plfx_views *v, int32_t x, int32_t y)
 {
+    winner pair[PLFX_VIEWS_MAX];
     int32_t rec[PLFX_VIEWS_MAX][2];
-    int32_t all[PLFX_VIEWS_MAX];
     int32_t pairs = plan->cfg.n - 1;
     int64_t two = 2 * ((int64_t)plan->cfg.slope_max_q16 - plan->cfg.slope_min_q16) /
                   (plan->cfg.labels - 1);
-    int32_t measured = 0;
+    int32_t ends = 1; /* every pair with a slope won at an end */
+    int32_t counted = 0;
     int32_t n = 0;
     int32_t against = 0;
     uint32_t conf = 0;
     winner out = {0, PLFX_SLOPE_NONE, 0, 0, 0, 0};
 
     for (int32_t p = 0; p < pairs; p++) {
-        winner w = decide(plan, v, p, x, y);
+        pair[p] = decide(plan, v, p, x, y);
+        out.flags |= pair[p].flags;
+        ends &= pair[p].slope_q16 == PLFX_SLOPE_NONE ||
+                (pair[p].flags & PLFX_FLAG_RANGE_END);
+    }
+    for (int32_t p = 0; p < pairs; p++) {
         int64_t u = plan->du_q8[view_of(plan, p)];
         int64_t t = plan->dv_q8[view_of(plan, p)];
         int64_t b = (u * u + t * t) / 1024;
         int32_t weight = (int32_t)(b < 1 ? 1 : b > 65535 ? 65535 : b);
         if (plan->cfg.fuse == PLFX_FUSE_CORRELATION) {
-            weight = w.weight;
+            weight = pair[p].weight;
         }
-        out.flags |= w.flags;
-        if (w.slope_q16 != PLFX_SLOPE_NONE) {
-            all[measured++] = w.slope_q16;
-            conf += w.conf;
-            if (weight > 0) {
-                rec[n][0] = w.slope_q16;
-                rec[n++][1] = weight;
-            }
+        if (pair[p].slope_q16 == PLFX_SLOPE_NONE ||
+            (!ends && (pair[p].flags & PLFX_FLAG_RANGE_END))) {
+            pair[p].slope_q16 = PLFX_SLOPE_NONE;
+            continue;
+        }
+        counted++;
+        conf += pair[p].conf;
+        if (weight > 0) {
+            rec[n][0] = pair[p].slope_q16;
+            rec[n++][1] = weight;
         }
     }
     out.slope_q16 =
@@ -361,12 +369,13 @@ static winner fused(const plfx_plan *plan, const plfx_views *v, int32_t x, int32
     if (out.slope_q16 == PLFX_SLOPE_NONE) {
         return out;
     }
-    for (int32_t i = 0; i < measured; i++) {
-        against += llabs((int64_t)all[i] - out.slope_q16) > two;
+    for (int32_t p = 0; p < pairs; p++) {
+        against += pair[p].slope_q16 != PLFX_SLOPE_NONE &&
+                   llabs((int64_t)pair[p].slope_q16 - out.slope_q16) > two;
     }
     out.conf = (uint16_t)(conf / (uint32_t)pairs);
-    out.flags &= PLFX_FLAG_RANGE_END;
-    out.flags |= 3 * against > measured ? PLFX_FLAG_OCCLUDED : 0;
+    out.flags = ends ? PLFX_FLAG_RANGE_END : 0;
+    out.flags |= 3 * against > counted ? PLFX_FLAG_OCCLUDED : 0;
     return out;
 }
 
