@@ -101,13 +101,17 @@ static void carve_rows(plfx_match *m, plfx_arena *a)
 
     m->tag =
         plfx_take(a, (size_t)m->depth + 3u * n + (size_t)m->pairs, sizeof(int32_t));
-    m->row_at = m->tag + m->depth;
-    m->pads = m->row_at + n;
-    m->step = m->pads + 2u * n;
+    if (m->tag != NULL) { /* a dry run has nothing to divide */
+        m->row_at = m->tag + m->depth;
+        m->pads = m->row_at + n;
+        m->step = m->pads + 2u * n;
+    }
     m->strip = plfx_take(a, (size_t)m->depth * (size_t)m->slot_len, sizeof(int16_t));
     m->line = plfx_take(a, wide, sizeof(int16_t));
     m->code = plfx_take(a, 2u * wide, sizeof(int16_t));
-    m->conf = (uint16_t *)m->code + wide;
+    if (m->code != NULL) {
+        m->conf = (uint16_t *)m->code + wide;
+    }
     m->code_row = plfx_take(a, 3u * nx, sizeof(int16_t));
     m->conf_row = (uint16_t *)m->code_row + nx;
     m->no_row = m->conf_row + nx;
