@@ -20,6 +20,12 @@ static inline void *plfx_take(plfx_arena *a, size_t n, size_t size)
     return p;
 }
 
+/* The place n items of `size` bytes behind p; NULL in a dry run. */
+static inline void *plfx_behind(void *p, size_t n, size_t size)
+{
+    return p ? (unsigned char *)p + n * size : NULL;
+}
+
 static inline int32_t plfx_aligned(const void *p)
 {
     return ((uintptr_t)p & (PLFX_ALIGN - 1u)) == 0;

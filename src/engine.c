@@ -16,7 +16,8 @@ static void carve_pairs(plfx_engine *e, plfx_arena *a)
     e->fuse.pairs = e->match.pairs;
     e->fuse.out.slope_q16 = plfx_take(a, pairs * nx, sizeof(int32_t));
     e->fuse.out.conf_u16 = plfx_take(a, 2u * pairs * nx, sizeof(uint16_t));
-    e->fuse.out.weight_u16 = e->fuse.out.conf_u16 + pairs * nx;
+    e->fuse.out.weight_u16 =
+        plfx_behind(e->fuse.out.conf_u16, pairs * nx, sizeof(uint16_t));
     e->fuse.out.flags = plfx_take(a, pairs * nx, sizeof(uint8_t));
     e->fuse.slopes = plfx_take(a, pairs, sizeof(int32_t));
     e->fuse.weights = plfx_take(a, pairs, sizeof(uint16_t));
@@ -43,7 +44,7 @@ void plfx_engine_carve(plfx_engine *e, const plfx_plan *plan, int32_t leave,
     e->lines = NULL;
     if (fuses(plan)) {
         carve_pairs(e, a);
-        if (a->base) {
+        if (e->lines) {
             aim_lines(e);
         }
     }

@@ -18,9 +18,9 @@ static void carve_order(plfx_gather *g, size_t nx, plfx_arena *a)
     for (k = 0; k < g->open; k++) {
         plfx_gather_order *o = &g->order[k];
         o->x_q16 = plfx_take(a, 2u * nx + 2u * GATHER_SPARE, sizeof(int32_t));
-        o->y_q16 = o->x_q16 + nx + GATHER_SPARE;
+        o->y_q16 = plfx_behind(o->x_q16, nx + GATHER_SPARE, sizeof(int32_t));
         o->lens = plfx_take(a, nx + PLFX_GATHER_ROWS + 1u, sizeof(uint16_t));
-        o->start = o->lens + nx;
+        o->start = plfx_behind(o->lens, nx, sizeof(uint16_t));
     }
 }
 

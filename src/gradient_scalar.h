@@ -54,6 +54,7 @@ static inline int32_t plfx_gradient_slope_q16(plfx_products w, int32_t col_q16,
  * sample, t the square of 1/64 of full scale. */
 static inline uint32_t plfx_gradient_conf_u16(plfx_products w, int64_t n, int32_t bits)
 {
+    /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): n is a window's area */
     int64_t xx = w.xx / n; /* q8, under 2^36 */
     int64_t yy = w.yy / n;
     int64_t xy = w.xy / n;

@@ -33,8 +33,8 @@ static const uint32_t turns[28] = {
 uint32_t plfx_angle_u32(int32_t x, int32_t y)
 {
     uint32_t angle = 0;
-    int64_t a = (int64_t)x << 24; /* < 2^54, grows by 1.65 */
-    int64_t b = (int64_t)y << 24;
+    int64_t a = (int64_t)x * (1 << 24); /* < 2^54, grows by 1.65 */
+    int64_t b = (int64_t)y * (1 << 24);
     int32_t i;
 
     if (a < 0) { /* half a turn brings it to the right half plane */

@@ -109,12 +109,10 @@ static void carve_rows(plfx_match *m, plfx_arena *a)
     m->strip = plfx_take(a, (size_t)m->depth * (size_t)m->slot_len, sizeof(int16_t));
     m->line = plfx_take(a, wide, sizeof(int16_t));
     m->code = plfx_take(a, 2u * wide, sizeof(int16_t));
-    if (m->code != NULL) {
-        m->conf = (uint16_t *)m->code + wide;
-    }
+    m->conf = plfx_behind(m->code, wide, sizeof(uint16_t));
     m->code_row = plfx_take(a, 3u * nx, sizeof(int16_t));
-    m->conf_row = (uint16_t *)m->code_row + nx;
-    m->no_row = m->conf_row + nx;
+    m->conf_row = plfx_behind(m->code_row, nx, sizeof(uint16_t));
+    m->no_row = plfx_behind(m->conf_row, nx, sizeof(uint16_t));
     m->tex_ring = NULL;
     m->tex_above = NULL;
     m->tex_now = NULL;
@@ -123,9 +121,9 @@ static void carve_rows(plfx_match *m, plfx_arena *a)
     if (m->plan->cfg.texture > 0) {
         m->tex_ring = plfx_take(a, (size_t)m->plan->cfg.window * nx, sizeof(uint16_t));
         m->tex_above = plfx_take(a, 2u * nx, sizeof(uint16_t));
-        m->tex_now = m->tex_above + nx;
+        m->tex_now = plfx_behind(m->tex_above, nx, sizeof(uint16_t));
         m->tex_col = plfx_take(a, 2u * nx, sizeof(uint32_t));
-        m->tex = m->tex_col + nx;
+        m->tex = plfx_behind(m->tex_col, nx, sizeof(uint32_t));
     }
 }
 

@@ -38,6 +38,7 @@ static void average(const plfx_roi *roi, plfx_roi_patch *p)
         int64_t scatter = p->rest_square - (int64_t)(square / frames);
         scatter = scatter > 0 ? scatter : 0;
         p->noise_q8 =
+            /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): two frames at least */
             scatter * 256 / (int64_t)(n * (frames - 1u)) * 256 + 256 * 256 / 12;
     }
 }

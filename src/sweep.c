@@ -60,10 +60,10 @@ static void carve_zncc(plfx_sweep_state *s, plfx_arena *a, size_t nx, size_t cel
     s->a_rsqrt = plfx_take(a, nx, sizeof(plfx_rsqrt));
     carve_rows(s, a, nx);
     s->race.label = plfx_take(a, 5u * nx, sizeof(uint16_t));
-    s->race.best = s->race.label + nx;
-    s->race.second = s->race.label + 2u * nx;
-    s->race.before = s->race.label + 3u * nx;
-    s->race.won = s->race.label + 4u * nx;
+    s->race.best = plfx_behind(s->race.label, nx, sizeof(uint16_t));
+    s->race.second = plfx_behind(s->race.label, 2u * nx, sizeof(uint16_t));
+    s->race.before = plfx_behind(s->race.label, 3u * nx, sizeof(uint16_t));
+    s->race.won = plfx_behind(s->race.label, 4u * nx, sizeof(uint16_t));
 }
 
 static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)

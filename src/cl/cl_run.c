@@ -7,7 +7,7 @@ static cl_int arg_mem(plfx_cl *cl, int32_t k, cl_uint at, void *buffer)
 {
     cl_mem m = buffer;
 
-    return clSetKernelArg(cl->kernel[k], at, sizeof m, &m);
+    return clSetKernelArg(cl->kernel[k], at, sizeof(cl_mem), &m);
 }
 
 static cl_int arg_int(plfx_cl *cl, int32_t k, cl_uint at, cl_int v)
