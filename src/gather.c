@@ -6,9 +6,6 @@
 /* Pixels under one lens: offsets of +-128 px and two taps. */
 #define SEGMENT_MAX 260
 
-/* Lanes may read and write back this many samples behind the last. */
-#define GATHER_SPARE 8
-
 static void carve_order(plfx_gather *g, size_t nx, plfx_arena *a)
 {
     int32_t k;
@@ -17,8 +14,8 @@ static void carve_order(plfx_gather *g, size_t nx, plfx_arena *a)
     g->begin = plfx_take(a, nx, sizeof(int16_t));
     for (k = 0; k < g->open; k++) {
         plfx_gather_order *o = &g->order[k];
-        o->x_q16 = plfx_take(a, 2u * nx + 2u * GATHER_SPARE, sizeof(int32_t));
-        o->y_q16 = plfx_behind(o->x_q16, nx + GATHER_SPARE, sizeof(int32_t));
+        o->x_q16 = plfx_take(a, 2u * nx + 2u * PLFX_GATHER_SPARE, sizeof(int32_t));
+        o->y_q16 = plfx_behind(o->x_q16, nx + PLFX_GATHER_SPARE, sizeof(int32_t));
         o->lens = plfx_take(a, nx + PLFX_GATHER_ROWS + 1u, sizeof(uint16_t));
         o->start = plfx_behind(o->lens, nx, sizeof(uint16_t));
     }
@@ -39,7 +36,7 @@ void plfx_gather_carve(plfx_gather *g, const plfx_stream_cfg *cfg, plfx_arena *a
     g->bits = cfg->bits;
     g->ordered = cfg->profile == PLFX_PROFILE_FAST;
     g->shift = plfx_take(a, n, sizeof(plfx_point));
-    g->rows = plfx_take(a, open * n * nx + GATHER_SPARE, sizeof(uint16_t));
+    g->rows = plfx_take(a, open * n * nx + PLFX_GATHER_SPARE, sizeof(uint16_t));
     g->line = g->white || g->ordered ? plfx_take(a, nx, sizeof(uint16_t)) : NULL;
     g->centre = NULL;
     g->pixels = NULL;

@@ -11,6 +11,8 @@
 /* Sensor rows under one lens row, at most, in the fast profile. */
 #define PLFX_GATHER_ROWS 256
 
+#define PLFX_GATHER_SPARE 8 /* lanes read and written back behind the last lens */
+
 /* The lenses of an open row in the order of their first sensor row: those that begin in
  * row first + b are number start[b] .. start[b+1] - 1. */
 typedef struct plfx_gather_order {

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #define LANES 8
+PLFX_STATIC_ASSERT(LANES <= PLFX_GATHER_SPARE, spare_lanes_fit);
 
 /* Centres of lens row j: those of plfx_lut_centre(), by steps. */
 static void centres(const plfx_gather *g, int32_t j)
@@ -100,6 +101,11 @@ static void sort(const plfx_gather *g, plfx_gather_order *o)
         o->start[i] = o->start[i - 1];
     }
     o->start[0] = 0;
+    for (i = 0; i < LANES; i++) { /* lanes beyond the last lens read beside it */
+        int32_t end = o->start[o->count];
+        o->x_q16[end + i] = o->x_q16[end - 1];
+        o->y_q16[end + i] = o->y_q16[end - 1];
+    }
 }
 
 void plfx_gather_sort(plfx_gather *g, int32_t j)
