@@ -26,21 +26,21 @@ typedef struct scene {
     uint64_t seed;
 } scene;
 
-static double scene_random(scene *c, double lo, double hi)
+static inline double scene_random(scene *c, double lo, double hi)
 {
     c->seed = c->seed * 6364136223846793005u + 1442695040888963407u;
     return lo + (hi - lo) * (double)(c->seed >> 11) / 9007199254740992.0;
 }
 
 /* Box-Muller. */
-static double scene_gauss(scene *c)
+static inline double scene_gauss(scene *c)
 {
     double a = scene_random(c, 1e-12, 1);
 
     return sqrt(-2 * log(a)) * cos(6.283185307179586 * scene_random(c, 0, 1));
 }
 
-static void scene_texture(scene *c, scene_surface *s)
+static inline void scene_texture(scene *c, scene_surface *s)
 {
     double least = 0.02;
     double most = exp(scene_random(c, log(0.06), log(0.4)));
@@ -63,7 +63,7 @@ static void scene_texture(scene *c, scene_surface *s)
     s->contrast = exp(scene_random(c, log(3), log(30)));
 }
 
-static void scene_make(scene *c, uint64_t seed)
+static inline void scene_make(scene *c, uint64_t seed)
 {
     int k;
 
@@ -86,7 +86,7 @@ static void scene_make(scene *c, uint64_t seed)
     }
 }
 
-static double scene_disparity(const scene_surface *s, double x, double y)
+static inline double scene_disparity(const scene_surface *s, double x, double y)
 {
     double r2 = (x - s->cx) * (x - s->cx) + (y - s->cy) * (y - s->cy);
 
@@ -96,8 +96,8 @@ static double scene_disparity(const scene_surface *s, double x, double y)
 
 /* What a ray at (x,y) of the view at (u,v) = -(c - cc), -(r - rc) sees; the point (X,Y)
  * of disparity d is seen at X + d u. */
-static double scene_ray(const scene *c, double x, double y, double u, double v,
-                        double *disparity)
+static inline double scene_ray(const scene *c, double x, double y, double u, double v,
+                               double *disparity)
 {
     double best = -99;
     double bx = 0;
@@ -135,7 +135,7 @@ static double scene_ray(const scene *c, double x, double y, double u, double v,
 }
 
 /* Grey of a pixel, rays averaged, 0 .. 255. */
-static double scene_pixel(const scene *c, int x, int y, double u, double v)
+static inline double scene_pixel(const scene *c, int x, int y, double u, double v)
 {
     double sum = 0;
     double d;
