@@ -32,7 +32,7 @@ extern "C" {
 
 #define PLFX_MODAL_LAGS   5
 #define PLFX_MODAL_BLOCKS 16 /* blocks of a record, the oldest dropped first */
-/* Scatter of this estimator over the bound, q8: tests/bench/modal_scatter.c. */
+/* Scatter of this estimator over the bound, q8; test_modal.c holds a part of it. */
 #define PLFX_MODAL_FREQ_LOSS_Q8 300u
 #define PLFX_MODAL_DAMP_LOSS_Q8 340u
 
