@@ -51,7 +51,7 @@ static void enter(const plfx_race *r, const uint16_t *restrict cost, int32_t l,
         uint16_t least = v < b ? v : b;
         uint16_t beside = (uint16_t)(v | won[x]);
         uint16_t rest = second[x] < beside ? second[x] : beside;
-        uint16_t m = (uint16_t) - (least != b);
+        uint16_t m = least != b ? 0xffffu : 0u;
         second[x] = m ? before[x] : rest;
         label[x] = m ? (uint16_t)l : label[x];
         before[x] = b;

@@ -27,7 +27,7 @@ static int columns(const plft_csv *csv, const char *path, int col[5])
 
     for (k = 0; k < 5; k++) {
         col[k] = plft_csv_column(csv, name[k]);
-        if (col[k] < 0 && k < 4) {
+        if (k < 4 && col[k] < 0) {
             return plft_fail(PLFT_DATA, "%s: no column %s; want i,j,hx,hy[,reference]",
                              path, name[k]);
         }
