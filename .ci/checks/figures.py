@@ -32,7 +32,7 @@ def targets():
     golden = (common.ROOT / 'tests/golden/golden.c').read_text()
     stages = len(re.findall(r'^    \{"', golden, re.M))
     # x86-64 by gcc and clang, and the bare LEON3
-    yield 'targets with equal goldens', str(cross + 3), '`.ci/run --full`'
+    yield 'targets whose goldens are compared', str(cross + 3), '`.ci/run --full`'
     yield 'stages with a golden', str(stages), '`tests/golden`'
 
 

@@ -3,7 +3,7 @@
  * lenses, a cross of 24 views and the centre, 12 bits, 30000 electrons, 16 of read
  * noise. Frames are drawn from a formula: pixel (u,v) of lens (i,j) sees the texture at
  * (i - x - D*u, j - y - D*v).  usage: bench_regions [frames]
- * Prints noise, bound, stated error, scale, shake and occlusion against their limits;
+ * Prints noise, bound, stated error and scale against their limits;
  * exit status 1 when one is over. */
 #include <math.h>
 #include <stdio.h>
