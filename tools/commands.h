@@ -19,6 +19,7 @@ plft_command plft_cmd_import_centres;
 plft_command plft_cmd_info;
 plft_command plft_cmd_monitor;
 plft_command plft_cmd_optics;
+plft_command plft_cmd_plan;
 plft_command plft_cmd_refocus;
 plft_command plft_cmd_live;
 plft_command plft_cmd_record;

@@ -15,6 +15,7 @@ typedef struct entry {
 
 /* In the order in which one works with a camera. */
 static const entry commands[] = {
+    {"plan", plft_cmd_plan, "what a camera would see, before it is built"},
     {"calibrate", plft_cmd_calibrate, "a lens table from a calibration frame"},
     {"check", plft_cmd_check, "has the lens lattice moved since the calibration?"},
     {"import-centres", plft_cmd_import_centres,
