@@ -2,6 +2,7 @@
 #include "plenofix/view.h"
 #include "fix.h"
 #include "mend.h"
+#include "sure.h"
 
 typedef struct sampler { /* what is the same for every lens of a call */
     const plfx_lut *lut;
@@ -39,15 +40,16 @@ static void two_pixels(const plfx_raw *raw, int32_t x0, int32_t x1, int32_t y,
                        uint32_t p[2])
 {
     plfx_raw_row row;
-    uint16_t v[2];
+    uint16_t v[2] = {0, 0};
 
     if (raw->format == PLFX_RAW_U16) {
         const uint16_t *px =
             (const uint16_t *)(const void *)raw->bytes + (size_t)y * (size_t)raw->w;
         p[0] = px[x0];
         p[1] = px[x1];
-    } else if (plfx_raw_row_at(raw, y, &row) == PLFX_OK &&
-               plfx_raw_unpack(&row, x0, x1 - x0 + 1, v) == PLFX_OK) {
+    } else {
+        plfx_sure(plfx_raw_row_at(raw, y, &row));
+        plfx_sure(plfx_raw_unpack(&row, x0, x1 - x0 + 1, v));
         p[0] = v[0];
         p[1] = v[x1 - x0];
     }
@@ -105,8 +107,7 @@ static int32_t tone_ok(const plfx_tone *t)
 
 static int32_t raw_ok(const plfx_lut *lut, const plfx_raw *raw)
 {
-    return raw && raw->bytes && raw->w == lut->sensor_w && raw->h == lut->sensor_h &&
-           raw->bits >= 8 && raw->bits <= 16;
+    return raw && raw->w == lut->sensor_w && raw->h == lut->sensor_h;
 }
 
 static int32_t views_ok(const plfx_lut *lut, const plfx_views *v)
@@ -129,18 +130,17 @@ static void fill_row(const sampler *s, int32_t j, int32_t nx, uint16_t *row)
     plfx_mend_row(s->lut, j, row);
 }
 
-static plfx_status gains(const plfx_lut *lut, plfx_offset at, int32_t white, int32_t j,
-                         uint16_t *row)
+static void gains(const plfx_lut *lut, plfx_offset at, int32_t white, int32_t j,
+                  uint16_t *row)
 {
     int32_t i;
 
-    if (white) {
-        return plfx_lut_gain_row(lut, j, at.u_q8, at.v_q8, row);
-    }
     for (i = 0; i < lut->lattice.nx; i++) {
         row[i] = 8192u;
     }
-    return PLFX_OK;
+    if (white) {
+        plfx_sure(plfx_lut_gain_row(lut, j, at.u_q8, at.v_q8, row));
+    }
 }
 
 static sampler start(const plfx_lut *lut, const plfx_raw *raw, const plfx_tone *tone,
@@ -165,7 +165,8 @@ plfx_status plfx_view_rows(const plfx_lut *lut, const plfx_raw *raw,
                            const plfx_tone *tone, plfx_offset at, int32_t white,
                            int32_t j0, int32_t j1, const plfx_views *out, int32_t k)
 {
-    plfx_status status = PLFX_OK;
+    plfx_raw_row first;
+    plfx_status status;
     sampler s;
     int32_t j;
 
@@ -173,19 +174,18 @@ plfx_status plfx_view_rows(const plfx_lut *lut, const plfx_raw *raw,
         k >= out->n || j0 < 0 || j1 > out->ny || j0 > j1) {
         return PLFX_E_ARG;
     }
-    if (raw->size < plfx_raw_bytes(raw->format, raw->w, raw->h)) {
-        return PLFX_E_SIZE;
+    status = plfx_raw_row_at(raw, 0, &first); /* format, bits, size */
+    if (status != PLFX_OK) {
+        return status;
     }
     s = start(lut, raw, tone, at);
-    for (j = j0; j < j1 && status == PLFX_OK; j++) {
+    for (j = j0; j < j1; j++) {
         uint16_t *row =
             out->px + ((size_t)j * (size_t)out->n + (size_t)k) * (size_t)out->nx;
-        status = gains(lut, at, white, j, row);
-        if (status == PLFX_OK) {
-            fill_row(&s, j, out->nx, row);
-        }
+        gains(lut, at, white, j, row);
+        fill_row(&s, j, out->nx, row);
     }
-    return status;
+    return PLFX_OK;
 }
 
 plfx_status plfx_view_all(const plfx_lut *lut, const plfx_raw *raw,
