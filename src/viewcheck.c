@@ -40,13 +40,14 @@ static tally tally_of(const plfx_views *v, int32_t bits, int32_t k)
     return t;
 }
 
-/* Middle value of n, by counting. */
+/* Middle value of n, by counting; of two middle ones the first in order. */
 static uint32_t middle(const uint32_t *v, int32_t n)
 {
+    uint32_t mid = 0;
     int32_t i;
     int32_t j;
 
-    for (i = 0; i < n; i++) {
+    for (i = n - 1; i >= 0; i--) {
         int32_t less = 0;
         int32_t equal = 0;
         for (j = 0; j < n; j++) {
@@ -54,10 +55,10 @@ static uint32_t middle(const uint32_t *v, int32_t n)
             equal += v[j] == v[i];
         }
         if (2 * less <= n && 2 * (less + equal) >= n) {
-            return v[i];
+            mid = v[i];
         }
     }
-    return v[0];
+    return mid;
 }
 
 static uint8_t finding(tally t, tally mid)
