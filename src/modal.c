@@ -49,7 +49,7 @@ static int32_t cfg_ok(const plfx_modal_cfg *c)
 {
     return c->rate_mhz >= RATE_MIN && c->rate_mhz <= RATE_MAX && c->freq_uhz > 0 &&
            c->freq_uhz < c->rate_mhz * 500u && c->every >= 1 && c->every <= EVERY_MAX &&
-           c->block >= 8 && c->block <= 1 << 20 && c->mean_log2 >= 4 &&
+           c->block >= 8 && c->block <= 1 << 17 && c->mean_log2 >= 4 &&
            c->mean_log2 <= 16;
 }
 
@@ -75,7 +75,7 @@ plfx_status plfx_modal_init(plfx_modal *m, const plfx_modal_cfg *cfg)
 /* The sums of the newest thinned sample with those before it. */
 static void add_lags(plfx_modal *m)
 {
-    int64_t re = m->y_re; /* 2^20: products < 2^41, 2^20 of them < 2^61 */
+    int64_t re = m->y_re; /* 2^20: products < 2^41, 2^17 of them < 2^58 */
     int64_t im = m->y_im;
     int32_t l;
 

@@ -9,6 +9,8 @@
 #define LAGS       PLFX_MODAL_LAGS
 #define LN2_Q20    726817
 #define LIMIT      ((1 << 29) - 1) /* of R/energy, q28: over 1 in growth alone */
+#define BAND       1717986918      /* 0.4 turns a lag, 2^32 a turn */
+#define CRITICAL   1000000         /* ppm */
 #define DAMP_LEAST 1000 /* ppm: the bound is taken at this damping at least */
 
 typedef struct fit {    /* straight lines through ln|R| and phase over lags 1 .. 5 */
@@ -45,9 +47,9 @@ static void normalise(plfx_modal_sums *s)
     int32_t l;
 
     for (l = 1; l <= LAGS; l++) {
-        int64_t energy = s->energy[l] | 1; /* < 2^61; |R| is of the same size at most */
+        int64_t energy = s->energy[l] | 1; /* < 2^63; |R| is of the same size at most */
         int32_t shift = 0;
-        /* at most 27 */
+        /* at most 29 */
         while (plfx_asr_i64(energy, shift) >= (int64_t)1 << 34) {
             shift++;
         }
@@ -175,6 +177,16 @@ static void errors(plfx_mode *mode, uint64_t cycles_m, uint32_t noise_q8)
     mode->amp_sigma_q8 = sat_u32(mode->amp_q8 * sd / (2u * z) + 1u);
 }
 
+/* Correlated, inside the thinned band, under critical damping. */
+static int32_t is_mode(const plfx_modal *m, const plfx_modal_sums *s, const fit *f,
+                       const plfx_mode *mode)
+{
+    return square(s, 2) >= square(s, 0) / 16u && f->turn_u32 < BAND &&
+           f->turn_u32 > -BAND && mode->freq_uhz > 0 &&
+           mode->freq_uhz < m->cfg.rate_mhz * 500u && mode->damp_ppm < CRITICAL &&
+           mode->damp_ppm > -CRITICAL;
+}
+
 static void measure(const plfx_modal *m, const plfx_modal_sums *sums, plfx_mode *mode)
 {
     plfx_modal_sums s = *sums;
@@ -186,13 +198,14 @@ static void measure(const plfx_modal *m, const plfx_modal_sums *sums, plfx_mode 
     normalise(&s);
     lines(&s, &f);
     mode->freq_uhz = frequency(m, f.turn_u32);
-    if (square(&s, 2) < square(&s, 0) / 16u || mode->freq_uhz == 0) {
+    mode->damp_ppm = mode->freq_uhz ? damping(m, f.slope_q20, mode->freq_uhz) : 0;
+    if (!is_mode(m, &s, &f, mode)) {
         mode->freq_uhz = 0;
+        mode->damp_ppm = 0;
         mode->flags |= PLFX_MODE_LOST;
         return;
     }
     noise_q8 = exp2_q8(-f.zero_q20);
-    mode->damp_ppm = damping(m, f.slope_q20, mode->freq_uhz);
     mode->amp_q8 = amplitude(m, power, noise_q8);
     cycles_m = (uint64_t)mode->freq_uhz * mode->record_ms / 1000000u;
     errors(mode, cycles_m ? cycles_m : 1u, noise_q8);

@@ -19,8 +19,8 @@
  *
  * Work per sample: 2 multiplications and 12 additions; per thinned sample 24
  * multiply-adds.  Scaling: oscillator q15 from a table of 512; products cut to 16 bits;
- * CIC sums < 16 + 2*12 bits in int64, cut to 20; products of lags < 2^41, at most 2^20
- * of them in a block. */
+ * CIC sums < 16 + 2*12 bits in int64, cut to 20; products of lags < 2^41, at most 2^17
+ * of them in a block, so that 17 blocks stay under 2^63. */
 #ifndef PLENOFIX_MODAL_H
 #define PLENOFIX_MODAL_H
 
@@ -36,9 +36,11 @@ extern "C" {
 #define PLFX_MODAL_FREQ_LOSS_Q8 300u
 #define PLFX_MODAL_DAMP_LOSS_Q8 340u
 
-#define PLFX_MODE_VALID 1u  /* values hold; without it they are 0 */
-#define PLFX_MODE_SHORT 2u  /* under 20 cycles, or no full block yet */
-#define PLFX_MODE_LOST  4u  /* R does not fall off like a mode's: noise, or no motion */
+#define PLFX_MODE_VALID 1u /* values hold; without it they are 0 */
+#define PLFX_MODE_SHORT 2u /* under 20 cycles, or no full block yet */
+#define PLFX_MODE_LOST                                                                 \
+    4u /* R does not fall off like a mode's: noise, no motion, a damping over critical  \
+          or a frequency outside the thinned band */
 #define PLFX_MODE_GAP   8u  /* samples were missing inside the record */
 #define PLFX_MODE_ALARM 16u /* damping is under the limit, standard error included */
 
@@ -46,7 +48,7 @@ typedef struct plfx_modal_cfg {
     uint32_t rate_mhz; /* samples in 1000 s, 1000 .. 8000000 */
     uint32_t freq_uhz; /* expected frequency, under half the rate */
     int32_t every;     /* thinning, 1 .. 2048: plfx_modal_every() */
-    int32_t block;     /* thinned samples of a block, 8 .. 2^20 */
+    int32_t block;     /* thinned samples of a block, 8 .. 2^17 */
     int32_t mean_log2; /* slow mean over 2^this samples, 4 .. 16 */
 } plfx_modal_cfg;
 
@@ -111,6 +113,35 @@ plfx_status plfx_modal_read(const plfx_modal *m, int32_t blocks,
  * window's, with PLFX_MODE_ALARM, or the longest.  PLFX_OK, PLFX_E_ARG. */
 plfx_status plfx_modal_alarm(const plfx_modal *m, int32_t limit_ppm, int32_t nsigma_q8,
                              plfx_mode *mode) PLFX_MUST_USE;
+
+/* Watch for a loss of damping, faster than the alarm: a cumulative sum (Page 1954) of
+ * the logarithm of the likelihood of damping limit_ppm over that of healthy_ppm.  The
+ * envelope of a randomly excited mode decays with a = zeta*omega and is kicked by
+ * sigma^2 a second; with q = |y|^2/sigma^2 a step adds
+ *   (a0 - a1)*(q(t) - q(t-1)) + (a0^2 - a1^2)*dt*(q(t) + q(t-1))/2 - (a0 - a1)*dt
+ * and the sum starts anew at 0.  sigma^2 is the mean innovation of the record's blocks:
+ * excitation that rises within a record reads as evidence, so let blocks be as short as
+ * gusts are long.  Noise of measurement only lowers the evidence.
+ * nats_q8/256: 9 gives about one false alarm in twenty hours at healthy_ppm.
+ * The mean delay after a step to limit_ppm is about nats/r seconds with
+ * r = 2*pi*f*(healthy - limit)^2/(2*limit), and no test with as few false alarms is
+ * faster (Lorden 1971): tests/bench/modal_alarm.c. */
+typedef struct plfx_modal_watch {
+    int32_t line_q20, square_q20, gain_q16, limit_q20;
+    int64_t last_q16;
+    int32_t primed;
+    int32_t evidence_q20; /* nats; set to 0 to start anew */
+} plfx_modal_watch;
+
+/* 0 < limit_ppm < healthy_ppm <= 10^6, nats_q8 256 .. 2^17.
+ * PLFX_OK, PLFX_E_ARG, PLFX_E_RANGE (thinning too strong or too weak for them). */
+plfx_status plfx_modal_watch_init(plfx_modal_watch *w, const plfx_modal *m,
+                                  int32_t limit_ppm, int32_t healthy_ppm,
+                                  int32_t nats_q8) PLFX_MUST_USE;
+
+/* Call when plfx_modal_push() has returned 1.  Returns 1 while the evidence is over the
+ * limit.  Cost: 64 additions, a root, a division. */
+int32_t plfx_modal_watch_add(plfx_modal_watch *w, const plfx_modal *m);
 
 /* Operating shape: sums of y*conj(ref) of a channel against the reference channel, both
  * at the same mode and thinning.  Channel k's complex shape is re/ref, im/ref. */

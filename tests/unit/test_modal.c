@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <cmocka.h>
 
 #include "plenofix/plenofix.h"
@@ -193,6 +194,149 @@ static void noise_and_stillness_are_lost(void **s)
     assert_int_equal(mode.flags, PLFX_MODE_LOST);
 }
 
+/* The sum of watch_add() in double, from the same thinned samples. */
+typedef struct watched {
+    double a0, a1, gain, sum, last;
+    int primed;
+} watched;
+
+static void watched_start(watched *w, double f, double healthy, double limit)
+{
+    double period = m.cfg.every / RATE;
+    double u;
+    double spline[3] = {0, 0, 0}; /* R(0), R(1), all */
+    int i;
+    int j;
+
+    w->a0 = 2 * PI * f * healthy * period;
+    w->a1 = 2 * PI * f * limit * period;
+    w->sum = 0;
+    w->primed = 0;
+    u = sqrt(w->a0 * w->a1);
+    for (i = -100; i <= 100; i++) { /* two triangles of half width 1 */
+        for (j = -100; j <= 100; j++) {
+            double v = (100.0 - abs(i)) * (100.0 - abs(j));
+            spline[0] += v * exp(-u * fabs((i - j) / 100.0));
+            spline[1] += v * exp(-u * fabs(1 + (i - j) / 100.0));
+            spline[2] += v;
+        }
+    }
+    w->gain = (spline[0] - spline[1]) / (u * spline[0]);
+}
+
+static void watched_add(watched *w)
+{
+    double e[2] = {(double)m.now.energy[0], (double)m.now.energy[1]};
+    double r[2] = {(double)m.now.re[1], (double)m.now.im[1]};
+    double n = m.now.n;
+    double q;
+    int b;
+
+    for (b = 0; b < m.used; b++) {
+        e[0] += (double)m.ring[b].energy[0];
+        e[1] += (double)m.ring[b].energy[1];
+        r[0] += (double)m.ring[b].re[1];
+        r[1] += (double)m.ring[b].im[1];
+        n += m.ring[b].n;
+    }
+    if (n < 64) {
+        w->primed = 0;
+        return;
+    }
+    q = w->gain * n * ((double)m.y_re * m.y_re + (double)m.y_im * m.y_im) /
+        (e[0] + e[1] - 2 * sqrt(r[0] * r[0] + r[1] * r[1]));
+    if (w->primed && m.since > 1) {
+        w->sum += (w->a0 - w->a1) * (q - w->last) +
+                  (w->a0 * w->a0 - w->a1 * w->a1) * (q + w->last) / 2 - (w->a0 - w->a1);
+        w->sum = w->sum < 0 ? 0 : w->sum;
+    }
+    w->last = q;
+    w->primed = 1;
+}
+
+/* Two minutes at healthy damping, then at a quarter of it: no alarm, then one. */
+static void a_loss_of_damping_is_watched(void **s)
+{
+    oscillator healthy = make(22.0, 0.02);
+    oscillator worn = make(22.0, 0.005);
+    plfx_modal_watch w;
+    watched want;
+    int late = 0;
+    int i;
+    (void)s;
+    worn.kick = healthy.kick;
+    seed = 11;
+    start(22.0, 0.015, 60);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 20000, 2560), PLFX_OK);
+    watched_start(&want, 22.0, 0.02, 0.01);
+    for (i = 0; i < 3 * RECORD; i++) {
+        oscillator *o = i < 2 * RECORD ? &healthy : &worn;
+        if (i == RECORD) {
+            plfx_modal_gap(&m, 4400); /* whole turns */
+        }
+        if (i == 2 * RECORD) {
+            worn.x = healthy.x;
+            worn.v = healthy.v;
+        }
+        if (plfx_modal_push(&m, sample(1000.0 * (run(o) + 0.2 * gauss())))) {
+            int32_t alarm = plfx_modal_watch_add(&w, &m);
+            watched_add(&want);
+            assert_true(fabs(w.evidence_q20 / 1048576.0 - want.sum) <
+                        0.02 + 0.002 * want.sum);
+            assert_true(i >= 2 * RECORD || !alarm);
+            late += i < 2 * RECORD + 1600 && alarm;
+        }
+    }
+    assert_true(late > 0); /* within eight seconds */
+}
+
+static void watch_refuses_what_it_cannot_tell(void **s)
+{
+    plfx_modal_watch w;
+    int i;
+    (void)s;
+    start(22.0, 0.015, 60);
+    assert_int_equal(plfx_modal_watch_init(NULL, &m, 10000, 20000, 2560), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, NULL, 10000, 20000, 2560), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 0, 20000, 2560), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 20000, 20000, 2560), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 1000001, 2560), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 20000, 255), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 20000, 131073), PLFX_E_ARG);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 1, 20000, 2560), PLFX_E_RANGE);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 900000, 2560), PLFX_E_RANGE);
+    assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 20000, 2560), PLFX_OK);
+    seed = 3;
+    for (i = 0; i < 2 * RECORD; i++) { /* noise without a mode, then silence */
+        if (plfx_modal_push(&m, i < RECORD ? sample(500.0 * gauss()) : 0)) {
+            assert_int_equal(plfx_modal_watch_add(&w, &m), 0);
+        }
+    }
+}
+
+/* Records of 11 samples on: what is called valid is no absurdity. */
+static void short_records_are_sober(void **s)
+{
+    plfx_mode mode;
+    int k;
+    int i;
+    (void)s;
+    for (k = 0; k < 300; k++) {
+        oscillator o = make(6.2, 0.015);
+        seed = (uint32_t)(k + 1);
+        start(6.2, 0.015, 60);
+        for (i = 0; i < 350 + 3 * k; i++) {
+            double v = run(&o) + (k % 3) * gauss();
+            if (plfx_modal_push(&m, sample(1000.0 * v))) {
+                assert_int_equal(plfx_modal_read(&m, 16, &mode), PLFX_OK);
+                assert_true(mode.damp_ppm < 1000000 && mode.damp_ppm > -1000000);
+                assert_true(mode.freq_uhz < 9000000u);
+                assert_true((mode.flags & PLFX_MODE_VALID) || mode.freq_uhz == 0);
+            }
+        }
+    }
+}
+
 /* A record with a hole: the oscillator keeps its phase, the block is marked. */
 static void a_gap_is_marked_and_bridged(void **s)
 {
@@ -324,6 +468,9 @@ int main(void)
         cmocka_unit_test(growth_is_negative_damping_and_alarms),
         cmocka_unit_test(well_damped_motion_does_not_alarm),
         cmocka_unit_test(noise_and_stillness_are_lost),
+        cmocka_unit_test(a_loss_of_damping_is_watched),
+        cmocka_unit_test(watch_refuses_what_it_cannot_tell),
+        cmocka_unit_test(short_records_are_sober),
         cmocka_unit_test(a_gap_is_marked_and_bridged),
         cmocka_unit_test(extremes_do_not_overflow),
         cmocka_unit_test(shapes_keep_sign_and_size),
