@@ -24,7 +24,7 @@ typedef struct limit {
     }
 #define COUNT(table) (sizeof(table) / sizeof(table)[0])
 
-static void limit_set(void *args, const limit *t)
+static inline void limit_set(void *args, const limit *t)
 {
     uint8_t *to = (uint8_t *)args + t->at;
     uint8_t b1 = (uint8_t)t->value;
@@ -47,8 +47,8 @@ static void limit_set(void *args, const limit *t)
 }
 
 /* Set each field alone, call, compare the status, put the arguments back. */
-static void limits(void *args, size_t bytes, const limit *table, size_t n,
-                   int32_t (*call)(void *args))
+static inline void limits(void *args, size_t bytes, const limit *table, size_t n,
+                          int32_t (*call)(void *args))
 {
     static uint8_t kept[LIMITS_BYTES];
     size_t k;
@@ -68,12 +68,12 @@ static void limits(void *args, size_t bytes, const limit *table, size_t n,
 }
 
 /* n bytes of an output that a refused call must leave alone. */
-static void mark(void *p, size_t n)
+static inline void mark(void *p, size_t n)
 {
     memset(p, 0x5a, n);
 }
 
-static int32_t marked(const void *p, size_t n)
+static inline int32_t marked(const void *p, size_t n)
 {
     const uint8_t *b = p;
     size_t i;
