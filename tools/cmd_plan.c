@@ -54,7 +54,7 @@ static int read_optics(plft_plan_camera *c, const char *path)
     return rc;
 }
 
-static void print_view(const plft_plan *p, const request *r)
+static void print_view(const plft_plan_result *p, const request *r)
 {
     double n = r->c.f_number > 0 ? r->c.f_number : p->matched;
 
@@ -70,7 +70,7 @@ static void print_view(const plft_plan *p, const request *r)
            p->radius, 100.0 * p->kappa);
 }
 
-static void print_noise(const plft_plan *p, const request *r)
+static void print_noise(const plft_plan_result *p, const request *r)
 {
     printf("regions     %d of %d x %d lenses, %.3g x %.3g mm\n", r->u.regions, r->u.w,
            r->u.h, r->u.w * p->lens_mm, r->u.h * p->lens_mm);
@@ -87,7 +87,7 @@ static void print_noise(const plft_plan *p, const request *r)
            p->lens_mm, p->mm_slope, p->reach_mm);
 }
 
-static void print_cost(const plft_plan *p, const request *r)
+static void print_cost(const plft_plan_result *p, const request *r)
 {
     printf("memory      regions %zu bytes, state %zu, trackers %zu; lens table %zu "
            "(%zu with a correction a lens)\n",
@@ -103,7 +103,7 @@ static void print_cost(const plft_plan *p, const request *r)
            p->thin_bits / 1e3);
 }
 
-static void warn_of(const plft_plan *p)
+static void warn_of(const plft_plan_result *p)
 {
     if (p->spot_px > 1.02 * p->pitch_px) {
         plft_warn("micro-images overlap: their edges mix neighbours; stop down to "
@@ -116,7 +116,7 @@ static void warn_of(const plft_plan *p)
     }
 }
 
-static int print_json(const plft_plan *p, const request *r)
+static int print_json(const plft_plan_result *p, const request *r)
 {
     json_t *root = json_pack(
         "{s:[i,i],s:[i,i],s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f,s:f}",
@@ -172,7 +172,7 @@ static int parse(int argc, char **argv, request *r, int *helped)
         {"--light", PLFT_REAL, &u->light, "P", 0.01, 1,
          "mean brightness, part of the full well (0.4)"},
         {"--texture", PLFT_REAL, &u->texture, "G", 0.001, 2,
-         "rms gradient a lens, part of the brightness; select-rois tells it (0.15)"},
+         "rms gradient a lens, part of the brightness; select-rois tells it (0.27)"},
         {"--regions", PLFT_INT, &u->regions, "N", 1, PLFX_ROI_MAX, "regions (24)"},
         {"--region", PLFT_TEXT, &r->region, "CxR", 0, 0, "lenses of a region (7x9)"},
         {"--views", PLFT_INT, &u->views, "N", 5, 97, "centre and cross of views (25)"},
@@ -224,12 +224,12 @@ static int resolve(int argc, char **argv, request *r, int *helped)
 int plft_cmd_plan(int argc, char **argv)
 {
     request r = {{0, 0, 0.5, 0.125, 0.0074, 0, 0, 0, 200, 12, 30000, 16},
-                 {0, 25, 24, 7, 9, 8, 3, 0.4, 0.15, 57600},
+                 {0, 25, 24, 7, 9, 8, 3, 0.4, 0.27, 57600},
                  NULL,
                  NULL,
                  NULL,
                  0};
-    plft_plan p;
+    plft_plan_result p;
     int helped = 0;
     int rc = resolve(argc, argv, &r, &helped);
 

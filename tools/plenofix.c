@@ -31,6 +31,7 @@ static const entry commands[] = {
     {"live", plft_cmd_live, "maps of a camera or recording as they come"},
     {"record", plft_cmd_record, "frames of a camera into one file"},
     {"replay", plft_cmd_replay, "a recording, frame by frame"},
+    {"select-rois", plft_cmd_select_rois, "regions with enough texture, for monitor"},
     {"monitor", plft_cmd_monitor, "displacement of regions and their modes"},
     {"decode", plft_cmd_decode, "telemetry of monitor, as tables"},
     {"bench", plft_cmd_bench, "time and memory of the core on this machine"},

@@ -32,7 +32,7 @@ void plft_plan_cross(double (*at)[2], int views, double radius)
 
 /* ---- geometry ---- */
 
-static int shape_ok(const plft_plan *p, const plft_plan_camera *c)
+static int shape_ok(const plft_plan_result *p, const plft_plan_camera *c)
 {
     if (!(c->focus > 1.02 * c->F)) {
         return plft_fail(PLFT_USAGE,
@@ -63,7 +63,7 @@ static int shape_ok(const plft_plan *p, const plft_plan_camera *c)
     return 0;
 }
 
-static int geometry(plft_plan *p, const plft_plan_camera *c, double radius)
+static int geometry(plft_plan_result *p, const plft_plan_camera *c, double radius)
 {
     double n;
     int rc;
@@ -123,7 +123,8 @@ static void responses(const double (*at)[2], int views, int slope, double *squar
     }
 }
 
-static void noise(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *u)
+static void noise(plft_plan_result *p, const plft_plan_camera *c,
+                  const plft_plan_use *u)
 {
     double e = u->light * c->full_well;
     double sample = BILINEAR * (e + c->read_noise * c->read_noise) / (e * e);
@@ -148,7 +149,7 @@ static void noise(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *
 /* ---- memory, work, data ---- */
 
 /* A table of nothing but the lattice, opened. */
-static unsigned char *plain_table(plfx_lut *lut, const plft_plan *p,
+static unsigned char *plain_table(plfx_lut *lut, const plft_plan_result *p,
                                   const plft_plan_camera *c, size_t *bytes)
 {
     unsigned char *blob;
@@ -178,7 +179,8 @@ static unsigned char *plain_table(plfx_lut *lut, const plft_plan *p,
     return blob;
 }
 
-static int memory(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *u)
+static int memory(plft_plan_result *p, const plft_plan_camera *c,
+                  const plft_plan_use *u)
 {
     plfx_roi_cfg *cfg = plft_alloc(1, sizeof *cfg);
     plfx_lut lut;
@@ -211,14 +213,14 @@ static int memory(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *
 
 /* Multiply-adds as stated in roi.h and modal.h: 4 a sample, 3 for the sums, 1400 a
  * solution; 2 a sample of a tracker (its thinned samples are few). */
-static void work(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *u)
+static void work(plft_plan_result *p, const plft_plan_camera *c, const plft_plan_use *u)
 {
     p->frame_ops =
         u->regions * (7.0 * u->w * u->h * u->views + 1400.0 + 2.0 * u->modes);
     p->ops = p->frame_ops * c->rate;
 }
 
-static int data(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *u)
+static int data(plft_plan_result *p, const plft_plan_camera *c, const plft_plan_use *u)
 {
     uint32_t rate_mhz = (uint32_t)lround(1000.0 * c->rate);
     plfx_packet_rate fit;
@@ -265,7 +267,8 @@ static int use_ok(const plft_plan_camera *c, const plft_plan_use *u)
     return 0;
 }
 
-int plft_plan_make(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *u)
+int plft_plan_make(plft_plan_result *p, const plft_plan_camera *c,
+                   const plft_plan_use *u)
 {
     int rc;
 

@@ -43,7 +43,7 @@ typedef struct plft_plan_use {
     int link;                /* bit/s */
 } plft_plan_use;
 
-typedef struct plft_plan {
+typedef struct plft_plan_result {
     double L, matched;             /* mm; f-number of the small lenses */
     double pitch_px, spot_px;      /* micro-image: pitch and diameter */
     double radius, kappa;          /* px, used part of the pupil */
@@ -58,10 +58,11 @@ typedef struct plft_plan {
     double raw_bits, wide_bits, thin_bits;    /* a second: raw, all records, on the
                                                  link */
     int thin_every, thin_regions;
-} plft_plan;
+} plft_plan_result;
 
 /* 0, or PLFT_USAGE with a message that names what cannot be. */
-int plft_plan_make(plft_plan *p, const plft_plan_camera *c, const plft_plan_use *u);
+int plft_plan_make(plft_plan_result *p, const plft_plan_camera *c,
+                   const plft_plan_use *u);
 
 /* Offsets of the views, px: [views][2], the centre first. */
 void plft_plan_cross(double (*at)[2], int views, double radius);
