@@ -282,6 +282,8 @@ int main(void)
     }
     (void)ioctl(screen, VIDIOC_S_OUTPUT, &output);
     bytes_loop_exactly("GREY, byte for byte", PLFX_RAW_U8, 8, 0);
+    bytes_loop_exactly("Y10, byte for byte", PLFX_RAW_U16LE, 10, 0);
+    bytes_loop_exactly("Y12, byte for byte", PLFX_RAW_U16LE, 12, 0);
     bytes_loop_exactly("Y16, byte for byte", PLFX_RAW_U16LE, 16, 0);
     bytes_loop_exactly("RG12, byte for byte", PLFX_RAW_U16LE, 12, PLFX_BAYER_RGGB);
     faults_are_counted();
