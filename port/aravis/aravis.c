@@ -6,7 +6,8 @@
 #include <string.h>
 
 #define MICRO      1000u
-#define ID_HIGHEST 65535u /* of a 16-bit frame number; 0 is never sent */
+#define ID_HIGHEST 65535u  /* of a 16-bit frame number; 0 is never sent */
+#define ASK_US     1000000 /* between questions for the camera's clock */
 
 /* Keep Aravis' words; drop the error. */
 static plfx_status failed(plfx_aravis *a, GError *error, plfx_status status)
@@ -77,26 +78,30 @@ static void set_wire(plfx_aravis *a, ArvCamera *c, GError **e)
     a->cfg.packet_size = arv_camera_gv_get_packet_size(c, NULL);
 }
 
-/* Ask for IEEE 1588 where it is offered, under its old or its new name. */
+/* Ask for IEEE 1588 where it is offered, under its name of today or of old. */
 static void set_clock(plfx_aravis *a, ArvCamera *c)
 {
     static const char *const names[] = {"PtpEnable", "GevIEEE1588"};
     size_t k;
 
-    a->clock = PLFX_CLOCK_CAMERA;
+    a->ptp = 0;
     for (k = 0; k < 2; k++) {
         if (arv_camera_is_feature_available(c, names[k], NULL)) {
             arv_camera_set_boolean(c, names[k], TRUE, NULL);
+            a->ptp = 1;
         }
     }
 }
 
-/* Is the camera's clock another's?  Asked at each start. */
+/* Does the camera's clock keep the network's time? */
 static int locked(ArvCamera *c)
 {
     static const char *const names[] = {"PtpStatus", "GevIEEE1588Status"};
     size_t k;
 
+    if (arv_camera_is_feature_available(c, "PtpDataSetLatch", NULL)) {
+        arv_camera_execute_command(c, "PtpDataSetLatch", NULL);
+    }
     for (k = 0; k < 2; k++) {
         const char *now = arv_camera_is_feature_available(c, names[k], NULL)
                               ? arv_camera_get_string(c, names[k], NULL)
@@ -106,6 +111,13 @@ static int locked(ArvCamera *c)
         }
     }
     return 0;
+}
+
+/* Ask for the clock; a lock comes seconds after the start, and may be lost. */
+static void ask_clock(plfx_aravis *a)
+{
+    a->clock = a->ptp && locked(a->device) ? PLFX_CLOCK_PTP : PLFX_CLOCK_CAMERA;
+    a->asked_us = g_get_monotonic_time();
 }
 
 static plfx_status configure(plfx_aravis *a, ArvCamera *c)
@@ -261,10 +273,12 @@ static plfx_status aravis_start(void *context)
     }
     memset(&a->count, 0, sizeof a->count);
     a->last_id = 0;
+    a->broken = 0;
     a->sequence = 0;
     a->last_good = 0;
     a->last_ns = 0;
-    a->clock = locked(a->device) ? PLFX_CLOCK_PTP : PLFX_CLOCK_CAMERA;
+    a->last_clock = PLFX_CLOCK_NONE;
+    ask_clock(a);
     arv_camera_start_acquisition(a->device, &e);
     if (e != NULL) {
         return failed(a, e, PLFX_E_DEVICE);
@@ -273,22 +287,25 @@ static plfx_status aravis_start(void *context)
     return PLFX_OK;
 }
 
-/* Widen the frame number; numbers that were skipped are missed frames. */
+/* Widen the number of a frame that came whole; numbers that were skipped and did not
+ * arrive broken are missed frames.  A broken frame's own number is not used: it lies in
+ * the leader, and that packet may be the one that was lost. */
 static void follow(plfx_aravis *a, uint64_t id)
 {
-    uint64_t step = 1;
+    uint64_t step = 1u + a->broken;
 
     if (a->last_id != 0 && id != 0) {
         step = id > a->last_id           ? id - a->last_id
-               : a->last_id > ID_HIGHEST ? 1 /* 64-bit numbers do not come round */
+               : a->last_id > ID_HIGHEST ? 1u /* 64-bit numbers do not come round */
                                          : id + ID_HIGHEST - a->last_id;
-        if (step > ID_HIGHEST / 2) {
-            step = 1; /* the camera began to count anew */
+        if (step > ID_HIGHEST / 2 || step <= a->broken) {
+            step = 1u + a->broken; /* the camera began to count anew */
         }
     }
     a->sequence += step;
-    a->count.missed += step - 1;
+    a->count.missed += step - 1u - a->broken;
     a->last_id = id;
+    a->broken = 0;
 }
 
 static int fits(const plfx_aravis *a, ArvBuffer *b)
@@ -334,8 +351,9 @@ static void hand_out(plfx_aravis *a, ArvBuffer *b, plfx_camera_frame *f)
     f->sequence = (uint32_t)a->sequence;
     f->dropped = (uint32_t)(a->sequence - a->last_good - 1u);
     f->time_ns = time_of(a, b, &f->clock);
-    a->count.back += f->time_ns < a->last_ns;
+    a->count.back += f->clock == a->last_clock && f->time_ns < a->last_ns;
     a->last_ns = f->time_ns;
+    a->last_clock = f->clock;
     a->last_good = a->sequence;
     a->count.good++;
     a->taken[f->slot] = b;
@@ -355,12 +373,12 @@ static int judge(plfx_aravis *a, ArvBuffer *b, plfx_camera_frame *frame)
         a->count.misfit++;
     } else if (status == ARV_BUFFER_STATUS_SIZE_MISMATCH ||
                status == ARV_BUFFER_STATUS_WRONG_PACKET_ID) {
-        follow(a, arv_buffer_get_frame_id(b));
         a->count.misfit++;
+        a->broken++;
     } else if (status != ARV_BUFFER_STATUS_ABORTED &&
                status != ARV_BUFFER_STATUS_CLEARED) {
-        follow(a, arv_buffer_get_frame_id(b));
         a->count.incomplete++;
+        a->broken++;
     }
     arv_stream_push_buffer(a->stream, b);
     return 0;
@@ -391,6 +409,9 @@ static plfx_status aravis_acquire(void *context, uint32_t timeout_ms,
     if (none_free(a)) {
         a->count.starved++;
         return PLFX_E_STATE;
+    }
+    if (a->ptp && g_get_monotonic_time() - a->asked_us > ASK_US) {
+        ask_clock(a);
     }
     do { /* at most until the timeout */
         ArvBuffer *b = g_atomic_int_get(&a->lost)

@@ -31,16 +31,20 @@ typedef struct plfx_aravis {
     uint32_t code; /* PFNC */
     uint32_t exposure_us;
     uint64_t last_id; /* on the wire; 0: none yet */
+    uint64_t broken;  /* frames that arrived broken since */
     uint64_t sequence, last_good;
     uint64_t last_ns;
-    uint8_t clock;
+    int64_t asked_us;          /* when the camera was last asked for its clock */
+    uint8_t clock, last_clock; /* plfx_clock_id: of the camera, of the last frame */
+    uint8_t ptp;               /* offered */
     int32_t running;
     int lost; /* set by Aravis' thread when the camera is gone */
 } plfx_aravis;
 
 /* Names and settings: width, height, offset, format, exposure, gain, rate and packet
  * size from the configuration; zero leaves the camera's.  A camera that offers IEEE
- * 1588 is asked to use it; frames say PLFX_CLOCK_PTP once it is locked. */
+ * 1588 is asked to use it; frames say PLFX_CLOCK_PTP while it is locked, which is asked
+ * at the start and then once a second. */
 void plfx_aravis_init(plfx_aravis *a, const char *name);
 
 #ifdef __cplusplus

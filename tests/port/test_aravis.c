@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * A GigE Vision camera served by this program to itself, over the loopback of a network
- * of its own. */
+ * of its own.
+ * usage: test_port_aravis CAMERA.xml [figures]    figures: the frame rate alone, judged */
 #define _GNU_SOURCE
 #include "../unit/suite.h"
 #include "lo.h"
@@ -17,12 +18,16 @@
 #define BIG_W    4000
 #define BIG_H    3000
 #define BIG_SIZE 18000000u
-#define STAMP    4u /* bytes at the start of each frame: its number */
+#define LOSSY    400u
+#define STAMP    4u   /* bytes: the number of the frame */
+#define EVERY    512u /* bytes from stamp to stamp, less than a packet */
 
 static uint8_t memory[SLOTS][(BIG_SIZE + 63u) / 64u * 64u]
     __attribute__((aligned(PLFX_ALIGN)));
 static uint8_t served[BIG_SIZE]; /* what the camera sends */
 static const char *xml;
+static char ptp_xml[] = "/tmp/plenofix-ptp-XXXXXX";
+static int64_t shift_ns; /* added to the time stamps that the camera sends */
 static unsigned serial;
 static guint32 frames_sent;
 
@@ -32,7 +37,17 @@ typedef struct server {
     char name[64];
 } server;
 
-/* Each frame begins with its number; the rest is `served`. */
+/* Stamp n bytes all over: a part that stayed behind from an earlier frame shows. */
+static void stamp_all(uint8_t *to, size_t n, uint32_t number)
+{
+    size_t k;
+
+    for (k = 0; k + STAMP <= n; k += EVERY) {
+        memcpy(to + k, &number, STAMP);
+    }
+}
+
+/* Each frame is `served` with its number all over. */
 static void fill(ArvBuffer *b, void *user, guint32 exposure, guint32 gain,
                  ArvPixelFormat format)
 {
@@ -45,10 +60,57 @@ static void fill(ArvBuffer *b, void *user, guint32 exposure, guint32 gain,
     (void)format;
     memcpy(to, served, n);
     frames_sent++;
-    memcpy(to, &frames_sent, STAMP);
+    stamp_all(to, n, frames_sent);
+    arv_buffer_set_timestamp(b, arv_buffer_get_timestamp(b) +
+                                    (guint64)g_atomic_pointer_get(&shift_ns));
 }
 
-static void serve(server *s, double lost)
+/* What a camera with IEEE 1588 offers besides: three registers that nothing else uses. */
+#define ENABLE 0x2000
+#define STATUS 0x2004
+#define LATCH  0x2008
+#define LOCKED 8 /* of the status: slave */
+
+static const char ptp_nodes[] =
+    "<IntReg Name='E'><Address>0x2000</Address><Length>4</Length>"
+    "<AccessMode>RW</AccessMode><pPort>Device</pPort><Cachable>NoCache</Cachable>"
+    "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>"
+    "<IntReg Name='S'><Address>0x2004</Address><Length>4</Length>"
+    "<AccessMode>RO</AccessMode><pPort>Device</pPort><Cachable>NoCache</Cachable>"
+    "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>"
+    "<IntReg Name='L'><Address>0x2008</Address><Length>4</Length>"
+    "<AccessMode>RW</AccessMode><pPort>Device</pPort><Cachable>NoCache</Cachable>"
+    "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess></IntReg>"
+    "<Boolean Name='PtpEnable'><pValue>E</pValue></Boolean>"
+    "<Command Name='PtpDataSetLatch'><pValue>L</pValue>"
+    "<CommandValue>1</CommandValue></Command>"
+    "<Enumeration Name='PtpStatus'>"
+    "<EnumEntry Name='Initializing'><Value>0</Value></EnumEntry>"
+    "<EnumEntry Name='Listening'><Value>3</Value></EnumEntry>"
+    "<EnumEntry Name='Uncalibrated'><Value>7</Value></EnumEntry>"
+    "<EnumEntry Name='Slave'><Value>8</Value></EnumEntry>"
+    "<pValue>S</pValue></Enumeration>";
+
+/* The description of the camera that the tests serve, and those nodes. */
+static void describe_ptp(void)
+{
+    gchar *text = NULL;
+    gsize n = 0;
+    gchar *at;
+    int file = mkstemp(ptp_xml);
+
+    assert_true(file >= 0 && g_file_get_contents(xml, &text, &n, NULL));
+    at = strstr(text, "  <Port Name");
+    assert_non_null(at);
+    assert_int_equal(write(file, text, (size_t)(at - text)), at - text);
+    assert_int_equal(write(file, ptp_nodes, sizeof ptp_nodes - 1),
+                     sizeof ptp_nodes - 1);
+    assert_int_equal(write(file, at, strlen(at)), strlen(at));
+    (void)close(file);
+    g_free(text);
+}
+
+static void serve_as(server *s, const char *description, double lost)
 {
     char number[16];
     guint32 k;
@@ -58,7 +120,7 @@ static void serve(server *s, double lost)
     }
     (void)snprintf(number, sizeof number, "P%u", ++serial);
     (void)snprintf(s->name, sizeof s->name, "Aravis-Fake-%s", number);
-    s->gv = arv_gv_fake_camera_new_full("127.0.0.1", number, xml);
+    s->gv = arv_gv_fake_camera_new_full("127.0.0.1", number, description);
     assert_true(arv_gv_fake_camera_is_running(s->gv));
     s->camera = arv_gv_fake_camera_get_fake_camera(s->gv);
     arv_fake_camera_write_register(s->camera, ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH,
@@ -71,6 +133,11 @@ static void serve(server *s, double lost)
         g_random_set_seed(SEED);
         g_object_set(s->gv, "gvsp-lost-ratio", lost, NULL);
     }
+}
+
+static void serve(server *s, double lost)
+{
+    serve_as(s, xml, lost);
 }
 
 static plfx_camera_cfg config(int32_t w, int32_t h, uint8_t format, uint8_t bits)
@@ -139,7 +206,17 @@ static uint32_t stamp_of(const plfx_camera_frame *f)
 
 static int whole(const plfx_camera_frame *f, size_t n)
 {
-    return memcmp(f->raw.bytes + STAMP, served + STAMP, n - STAMP) == 0;
+    const uint8_t *p = f->raw.bytes;
+    size_t k;
+
+    for (k = 0; k + STAMP <= n; k += EVERY) {
+        size_t rest = (n - k < EVERY ? n - k : EVERY) - STAMP;
+        if (memcmp(p + k, p, STAMP) != 0 ||
+            memcmp(p + k + STAMP, served + k + STAMP, rest) != 0) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* Every format: the bytes that were sent, in the caller's own memory. */
@@ -187,7 +264,8 @@ static void formats_arrive_byte_for_byte(void **state)
     }
 }
 
-/* 1 % of the packets is lost: every frame is either whole or counted. */
+/* 1 % of the packets is lost, before and after the frame number's wrap at frame 136:
+ * every frame is either whole or counted. */
 static void lossy_wire_gives_whole_frames_or_none(void **state)
 {
     plfx_camera_cfg cfg = config(320, 200, PLFX_RAW_MONO12P, 12);
@@ -204,7 +282,7 @@ static void lossy_wire_gives_whole_frames_or_none(void **state)
     serve(&s, 0.01);
     cfg.packet_size = 1400;
     open_camera(&a, &s, &cfg);
-    while (good < 100) {
+    while (last < LOSSY) {
         assert_int_equal(a.camera.acquire(&a, 4000, &f), PLFX_OK);
         assert_true(whole(&f, n));
         assert_int_equal(stamp_of(&f) - last, 1 + f.dropped);
@@ -219,7 +297,9 @@ static void lossy_wire_gives_whole_frames_or_none(void **state)
                   (unsigned)count.missed, SEED);
     assert_int_equal(count.good, good);
     assert_int_equal(count.incomplete + count.missed, dropped);
-    assert_true(count.incomplete > 10);
+    assert_int_equal(f.sequence, last); /* none lost otherwise */
+    assert_true(count.incomplete > LOSSY / 4);
+    assert_true(a.last_id < 65401u); /* it did come round */
     end(&a, &s);
 }
 
@@ -256,6 +336,8 @@ static double seconds(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+static int figures; /* 1: the frame rate is judged, not only printed */
+
 static void twelve_megapixels_pass_without_a_copy(void **state)
 {
     plfx_camera_cfg cfg = config(BIG_W, BIG_H, PLFX_RAW_MONO12P, 12);
@@ -264,6 +346,7 @@ static void twelve_megapixels_pass_without_a_copy(void **state)
     plfx_camera_frame f;
     server s;
     double begin = 0;
+    double rate;
     int k;
 
     (void)state;
@@ -279,9 +362,117 @@ static void twelve_megapixels_pass_without_a_copy(void **state)
         assert_int_equal(a.camera.release(&a, &f), PLFX_OK);
     }
     a.camera.count(&a, &count);
+    rate = 20 / (seconds() - begin);
     print_message("# %dx%d Mono12p: %.1f frames/s, %u incomplete, %u missed\n", BIG_W,
-                  BIG_H, 20 / (seconds() - begin), (unsigned)count.incomplete,
-                  (unsigned)count.missed);
+                  BIG_H, rate, (unsigned)count.incomplete, (unsigned)count.missed);
+    assert_true(!figures || rate >= 10);
+    end(&a, &s);
+}
+
+/* Settings arrive in the camera's registers. */
+static void settings_are_the_camera_s(void **state)
+{
+    plfx_camera_cfg cfg = config(320, 240, PLFX_RAW_U8, 8);
+    plfx_aravis a;
+    server s;
+    guint32 v = 0;
+
+    (void)state;
+    serve(&s, 0);
+    cfg.x0 = 16;
+    cfg.y0 = 8;
+    cfg.exposure_us = 3000;
+    cfg.gain_mdb = 7000;
+    cfg.rate_mhz = 40000;
+    cfg.packet_size = 1400;
+    open_camera(&a, &s, &cfg);
+    assert_int_equal(cfg.x0, 16);
+    assert_int_equal(cfg.packet_size, 1400);
+    arv_fake_camera_read_register(s.camera, ARV_FAKE_CAMERA_REGISTER_Y_OFFSET, &v);
+    assert_int_equal(v, 8);
+    arv_fake_camera_read_register(s.camera, ARV_FAKE_CAMERA_REGISTER_EXPOSURE_TIME_US,
+                                  &v);
+    assert_int_equal(v, 3000);
+    arv_fake_camera_read_register(s.camera, ARV_FAKE_CAMERA_REGISTER_GAIN_RAW, &v);
+    assert_int_equal(v, 7);
+    arv_fake_camera_read_register(
+        s.camera, ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US, &v);
+    assert_int_equal(v, 25000);
+    end(&a, &s);
+}
+
+static plfx_camera_frame one(plfx_aravis *a)
+{
+    plfx_camera_frame f;
+
+    assert_int_equal(a->camera.acquire(a, 4000, &f), PLFX_OK);
+    assert_int_equal(a->camera.release(a, &f), PLFX_OK);
+    return f;
+}
+
+/* Frames until one says `clock`: at most 400. */
+static int says_in_time(plfx_aravis *a, uint8_t clock)
+{
+    int k;
+
+    for (k = 0; k < 400; k++) {
+        if (one(a).clock == clock) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+static void network_time_is_said_while_it_is_kept(void **state)
+{
+    plfx_camera_cfg cfg = config(64, 48, PLFX_RAW_U8, 8);
+    plfx_aravis a;
+    server s;
+    guint32 v = 0;
+
+    (void)state;
+    describe_ptp();
+    serve_as(&s, ptp_xml, 0);
+    open_camera(&a, &s, &cfg);
+    arv_fake_camera_read_register(s.camera, ENABLE, &v);
+    assert_int_equal(v, 1); /* asked for */
+    assert_int_equal(one(&a).clock, PLFX_CLOCK_CAMERA);
+    arv_fake_camera_write_register(s.camera, STATUS, LOCKED);
+    assert_true(says_in_time(&a, PLFX_CLOCK_PTP));
+    arv_fake_camera_read_register(s.camera, LATCH, &v);
+    assert_int_equal(v, 1); /* the status was latched before it was read */
+    arv_fake_camera_write_register(s.camera, STATUS, LOCKED - 1);
+    assert_true(says_in_time(&a, PLFX_CLOCK_CAMERA));
+    end(&a, &s);
+    (void)unlink(ptp_xml);
+}
+
+static void clock_that_jumps_back_is_counted(void **state)
+{
+    plfx_camera_cfg cfg = config(64, 48, PLFX_RAW_U8, 8);
+    plfx_camera_count count;
+    plfx_aravis a;
+    plfx_camera_frame f;
+    server s;
+    uint64_t before;
+    int k;
+
+    (void)state;
+    serve(&s, 0);
+    open_camera(&a, &s, &cfg);
+    before = one(&a).time_ns;
+    g_atomic_pointer_set(&shift_ns, -3600000000000);
+    for (k = 0; k < 100; k++) { /* until the shift arrives */
+        f = one(&a);
+        if (f.time_ns < before) {
+            break;
+        }
+    }
+    assert_true(f.time_ns < before);
+    (void)one(&a);
+    g_atomic_pointer_set(&shift_ns, 0);
+    a.camera.count(&a, &count);
+    assert_int_equal(count.back, 1);
     end(&a, &s);
 }
 
@@ -356,8 +547,8 @@ static void served_frame_gives_the_file_s_map(void **state)
     open_camera(&a, &s, &cfg);
     assert_int_equal(a.camera.acquire(&a, 2000, &f), PLFX_OK);
     stamp = stamp_of(&f);
-    memcpy(served, &stamp, STAMP);
     file = f.raw;
+    stamp_all(served, file.size, stamp);
     file.bytes = served;
     map_of(&lut, &f.raw, of_camera);
     map_of(&lut, &file, of_file);
@@ -501,6 +692,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(formats_arrive_byte_for_byte),
     cmocka_unit_test(lossy_wire_gives_whole_frames_or_none),
     cmocka_unit_test(frame_numbers_go_on_after_the_wrap),
+    cmocka_unit_test(settings_are_the_camera_s),
+    cmocka_unit_test(network_time_is_said_while_it_is_kept),
+    cmocka_unit_test(clock_that_jumps_back_is_counted),
     cmocka_unit_test(twelve_megapixels_pass_without_a_copy),
     cmocka_unit_test(served_frame_gives_the_file_s_map),
     cmocka_unit_test(starving_is_named_and_survived),
@@ -516,6 +710,10 @@ int main(int argc, char **argv)
         return 0;
     }
     xml = argc > 1 ? argv[1] : "camera.xml";
+    figures = argc > 2 && strcmp(argv[2], "figures") == 0;
     cmocka_set_message_output(CM_OUTPUT_TAP);
+    if (figures) {
+        cmocka_set_test_filter("twelve*");
+    }
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
