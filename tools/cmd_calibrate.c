@@ -22,7 +22,7 @@ typedef struct options {
     const char *frames[FRAMES_MAX];
     int n;
     const char *white, *report, *dark, *out;
-    int bayer, bits, lattice, json;
+    int bayer, bits, lattice, json, camera;
     double radius;
     plft_optics_hint hint;
 } options;
@@ -55,6 +55,8 @@ static int parse(int argc, char **argv, options *o, int *helped)
         {"--pixel-mm", PLFT_REAL, NULL, "p", 1e-5, 1, "pitch of the sensor's pixels"},
         {"--f-mu-mm", PLFT_REAL, NULL, "f", 1e-3, 1000, "focal length of a lens"},
         {"--json", PLFT_FLAG, NULL, NULL, 0, 0, "figures as JSON"},
+        {"--camera", PLFT_INT, NULL, "ID", 1, 2147483647,
+         "whose table it is, as grab prints it; other cameras are refused"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
     plft_option t[sizeof table / sizeof table[0]];
     int status;
@@ -72,6 +74,7 @@ static int parse(int argc, char **argv, options *o, int *helped)
     t[9].target = &o->hint.pixel_mm;
     t[10].target = &o->hint.f_mu_mm;
     t[11].target = &o->json;
+    t[12].target = &o->camera;
     status = plft_args(argc, argv, &usage, t, o->frames, FRAMES_MAX, &o->n, helped);
     if (status == 0 && !*helped && o->n < 1) {
         status = plft_fail(PLFT_USAGE, "calibrate wants a frame");
@@ -232,6 +235,7 @@ int plft_cmd_calibrate(int argc, char **argv)
             status = add_gains(&j);
         }
         if (status == 0) {
+            j.saved.desc.camera_id = (uint32_t)j.o.camera;
             status = plft_saved_write(&j.saved, j.o.out, &j.bytes);
         }
         if (status == 0) {

@@ -68,8 +68,12 @@ static int take(const request *r, plft_camera *c)
         }
         plft_camera_release(c, &f);
     }
-    printf("%s: %d frames of %dx%d, %d bits\n", c->name, k, (int)c->cfg.w,
-           (int)c->cfg.h, c->cfg.bits);
+    printf("%s: %d frames of %dx%d, %d bits", c->name, k, (int)c->cfg.w, (int)c->cfg.h,
+           c->cfg.bits);
+    if (c->camera_id) {
+        printf(", camera %u", (unsigned)c->camera_id);
+    }
+    printf("\n");
     if (rc < 0 && k == 0) {
         return plft_fail(PLFT_DATA, "%s holds no whole frame", c->name);
     }

@@ -22,7 +22,7 @@ typedef struct request {
     const char *csv, *size, *out;
     double radius;
     int lattice; /* 0 auto, 1 square, 2 hex */
-    int bits, smooth, w, h;
+    int bits, smooth, w, h, camera;
 } request;
 
 typedef struct centres { /* measured, one a point */
@@ -393,6 +393,7 @@ static int write_table(const request *r, const centres *c, const plft_lattice *l
     desc.sensor_w = r->w;
     desc.sensor_h = r->h;
     desc.sensor_bits = r->bits;
+    desc.camera_id = (uint32_t)r->camera;
     if (radius > plft_lattice_pitch(l) / 2.0) {
         return plft_fail(PLFT_USAGE, "--radius %g: over half the lens pitch, %.2f px",
                          radius, plft_lattice_pitch(l) / 2.0);
@@ -485,6 +486,8 @@ int plft_cmd_import_centres(int argc, char **argv)
         {"--bits", PLFT_INT, &r.bits, "N", 8, 16, "of the sensor; 8"},
         {"--smooth", PLFT_FLAG, &r.smooth, NULL, 0, 0,
          "a cubic through the residuals: for centres in whole pixels"},
+        {"--camera", PLFT_INT, &r.camera, "ID", 1, 2147483647,
+         "whose table it is, as grab prints it; other cameras are refused"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
 
     memset(&r, 0, sizeof r);

@@ -97,23 +97,6 @@ static int fill_cfg(const request *r, job *j)
     return 0;
 }
 
-static int fits(const job *j, const plft_camera *c, const request *r)
-{
-    const plfx_lut *t = &j->table.lut;
-
-    if (c->camera_id && t->camera_id && c->camera_id != t->camera_id) {
-        return plft_fail(PLFT_DATA, "%s is of camera %08x, %s was taken by %08x",
-                         r->lut, (unsigned)t->camera_id, c->name,
-                         (unsigned)c->camera_id);
-    }
-    if (t->sensor_w == c->cfg.w && t->sensor_h == c->cfg.h) {
-        return 0;
-    }
-    return plft_fail(PLFT_DATA, "%s is for %dx%d pixels, %s sends %dx%d", r->lut,
-                     (int)t->sensor_w, (int)t->sensor_h, c->name, (int)c->cfg.w,
-                     (int)c->cfg.h);
-}
-
 static int prepare_stream(job *j, const plft_camera *c)
 {
     plfx_stream_cfg *s = &j->stream_cfg;
@@ -150,7 +133,7 @@ static int prepare_stream(job *j, const plft_camera *c)
 static int prepare(const request *r, job *j, const plft_camera *c)
 {
     size_t n = (size_t)j->table.lut.lattice.nx * (size_t)j->table.lut.lattice.ny;
-    int rc = fits(j, c, r);
+    int rc = plft_camera_suits(c, &j->table.lut, r->lut);
 
     if (rc != 0) {
         return rc;

@@ -49,7 +49,15 @@ static int same_frames(const plfx_recording *rec, const plfx_camera_cfg *c)
            rec->info.bayer == c->bayer;
 }
 
-static int go_on(const request *r, const plft_camera *c, plfx_recording *rec)
+/* Frames that belong to one camera and one table, as far as either is noted. */
+static int same_origin(const plfx_recording_info *a, const plfx_recording_info *b)
+{
+    return (!a->camera_id || !b->camera_id || a->camera_id == b->camera_id) &&
+           (!a->table_crc || !b->table_crc || a->table_crc == b->table_crc);
+}
+
+static int go_on(const request *r, const plft_camera *c,
+                 const plfx_recording_info *info, plfx_recording *rec)
 {
     plfx_status status = plfx_recording_open(rec, r->out, 1);
 
@@ -61,6 +69,11 @@ static int go_on(const request *r, const plft_camera *c, plfx_recording *rec)
         return plft_fail(PLFT_DATA, "%s holds %dx%d frames of another kind than %s",
                          r->out, (int)rec->info.w, (int)rec->info.h, c->name);
     }
+    if (!same_origin(&rec->info, info)) {
+        plfx_recording_close(rec);
+        return plft_fail(PLFT_DATA, "%s is of another camera or table than %s", r->out,
+                         r->lut ? r->lut : c->name);
+    }
     if (rec->cut > 0) {
         plft_warn(
             "%s: cut off %llu bytes of an unfinished frame behind %llu whole ones",
@@ -69,8 +82,8 @@ static int go_on(const request *r, const plft_camera *c, plfx_recording *rec)
     return 0;
 }
 
-/* Camera id and name of the table that belongs to the frames. */
-static int take_table(const request *r, plfx_recording_info *info)
+/* Note the table that belongs to the frames. */
+static int take_table(const request *r, const plft_camera *c, plfx_recording_info *info)
 {
     plft_table table;
     int rc;
@@ -79,18 +92,24 @@ static int take_table(const request *r, plfx_recording_info *info)
         return 0;
     }
     rc = plft_table_read(&table, r->lut);
-    if (rc != 0) {
-        return rc;
-    }
-    info->camera_id = table.lut.camera_id;
-    info->table_crc = table.lut.crc;
-    if (table.lut.sensor_w != info->w || table.lut.sensor_h != info->h) {
-        rc = plft_fail(PLFT_DATA, "%s is for %dx%d pixels, the frames have %dx%d",
-                       r->lut, (int)table.lut.sensor_w, (int)table.lut.sensor_h,
-                       (int)info->w, (int)info->h);
+    rc = rc != 0 ? rc : plft_camera_suits(c, &table.lut, r->lut);
+    if (rc == 0) {
+        info->camera_id = table.lut.camera_id ? table.lut.camera_id : c->camera_id;
+        info->table_crc = table.lut.crc;
     }
     plft_table_free(&table);
     return rc;
+}
+
+static void describe(const plft_camera *c, plfx_recording_info *info)
+{
+    memset(info, 0, sizeof *info);
+    info->w = c->cfg.w;
+    info->h = c->cfg.h;
+    info->format = c->cfg.format;
+    info->bits = c->cfg.bits;
+    info->bayer = c->cfg.bayer;
+    info->camera_id = c->camera_id;
 }
 
 static int begin(const request *r, const plft_camera *c, plfx_recording *rec)
@@ -99,18 +118,10 @@ static int begin(const request *r, const plft_camera *c, plfx_recording *rec)
     plfx_status status;
     int rc;
 
-    if (r->append) {
-        return go_on(r, c, rec);
-    }
-    memset(&info, 0, sizeof info);
-    info.w = c->cfg.w;
-    info.h = c->cfg.h;
-    info.format = c->cfg.format;
-    info.bits = c->cfg.bits;
-    info.bayer = c->cfg.bayer;
-    rc = take_table(r, &info);
-    if (rc != 0) {
-        return rc;
+    describe(c, &info);
+    rc = take_table(r, c, &info);
+    if (rc != 0 || r->append) {
+        return rc != 0 ? rc : go_on(r, c, &info, rec);
     }
     status = plfx_recording_create(rec, r->out, &info);
     return status == PLFX_OK ? 0 : broken(r, rec, status);

@@ -141,6 +141,29 @@ static plfx_status configure(plfx_aravis *a, ArvCamera *c)
     return e == NULL ? PLFX_OK : failed(a, e, PLFX_E_ARG);
 }
 
+uint32_t plfx_aravis_id(const char *serial)
+{
+    uint32_t hash = 2166136261u;
+    uint32_t number = 0;
+    size_t n = strlen(serial);
+    size_t k;
+
+    for (k = 0; k < n; k++) {
+        hash = (hash ^ (uint8_t)serial[k]) * 16777619u;
+        number = number * 10u + (uint32_t)(serial[k] - '0');
+    }
+    return n == 0                                         ? 0u
+           : n <= 9u && strspn(serial, "0123456789") == n ? number
+                                                          : hash & 0x7fffffffu;
+}
+
+static void identify(plfx_aravis *a, ArvCamera *c)
+{
+    const char *serial = arv_camera_get_device_serial_number(c, NULL);
+
+    a->camera_id = serial ? plfx_aravis_id(serial) : 0u;
+}
+
 static void keep(char *to, size_t n, const char *text)
 {
     (void)g_strlcpy(to, text, n);
@@ -255,6 +278,7 @@ static plfx_status aravis_open(void *context, plfx_camera_cfg *cfg,
         return status;
     }
     g_signal_connect(arv_camera_get_device(c), "control-lost", G_CALLBACK(on_lost), a);
+    identify(a, c);
     *cfg = a->cfg;
     return PLFX_OK;
 }

@@ -20,6 +20,7 @@ typedef struct plfx_aravis {
     plfx_camera camera; /* the interface; filled by plfx_aravis_init() */
     const char *name;   /* as Aravis lists it, or an address; NULL: the first found */
     char message[160];  /* of the last failure, in Aravis' words */
+    uint32_t camera_id; /* of the open camera, for tables; 0: no serial number */
 
     /* private */
     void *device, *stream;
@@ -40,6 +41,10 @@ typedef struct plfx_aravis {
     int32_t running;
     int lost; /* set by Aravis' thread when the camera is gone */
 } plfx_aravis;
+
+/* The id of a camera by its serial number: a decimal number below 10^9 as it is, else
+ * the FNV-1a hash of the text without its top bit. */
+uint32_t plfx_aravis_id(const char *serial);
 
 /* Names and settings: width, height, offset, format, exposure, gain, rate and packet
  * size from the configuration; zero leaves the camera's.  A camera that offers IEEE

@@ -204,6 +204,17 @@ static plfx_status body(plfx_replay *r, plfx_camera_frame *f)
     return status;
 }
 
+/* Ask the system for the frames that follow. */
+static void look_ahead(const plfx_replay *r)
+{
+    if (r->bare) {
+        (void)posix_fadvise(r->record.file, (off_t)((r->next + 1) * r->record.payload),
+                            (off_t)AHEAD * r->record.payload, POSIX_FADV_WILLNEED);
+    } else {
+        plfx_recording_ahead(&r->record, r->next + 1, AHEAD);
+    }
+}
+
 static void account(plfx_replay *r, plfx_camera_frame *f)
 {
     if (r->count.good > 0 || f->dropped > 0) {
@@ -254,7 +265,7 @@ static plfx_status replay_acquire(void *context, uint32_t timeout_ms,
         return status;
     }
     account(r, &f);
-    plfx_recording_ahead(&r->record, r->next + 1, AHEAD);
+    look_ahead(r);
     r->next++;
     *frame = f;
     return PLFX_OK;

@@ -2,9 +2,11 @@
  * Serve frames as a GigE Vision camera on the loopback of a network of its own while
  * a command runs there.
  *
- * usage: serve CAMERA.xml FRAMES.raw WxH PFNC-CODE LOST COMMAND...  Frames lie one
- * behind the other in the file and go round; LOST is the share of packets lost, 0 to
- * 1.  Exit status: the command's; 77 where no such network can be had. */
+ * usage: serve CAMERA.xml FRAMES.raw WxH PFNC-CODE LOST[,FAULT=N...] COMMAND...
+ * Frames lie one behind the other in the file and go round; LOST is the share of
+ * packets lost, 0 to 1.  Faults after N frames: gone (unplugged), back (the clock jumps
+ * back by an hour), small (another height), byte (8-bit pixels).  Exit status: the
+ * command's; 77 where no such network can be had. */
 #define _GNU_SOURCE
 #include "lo.h"
 
@@ -17,6 +19,14 @@
 static guint8 *frames;
 static gsize size;
 static gsize next;
+static gint sent; /* frames */
+
+static struct fault {
+    const char *name;
+    int after; /* frames; 0: never */
+    int done;
+} faults[] = {{"gone=", 0, 0}, {"back=", 0, 0}, {"small=", 0, 0}, {"byte=", 0, 0}};
+enum { GONE, BACK, SMALL, BYTE, FAULTS };
 
 static void fill(ArvBuffer *b, void *user, guint32 exposure, guint32 gain,
                  ArvPixelFormat format)
@@ -35,6 +45,50 @@ static void fill(ArvBuffer *b, void *user, guint32 exposure, guint32 gain,
         memcpy(to, frames + next, n);
         next += n;
     }
+    g_atomic_int_inc(&sent);
+    if (faults[BACK].after && sent > faults[BACK].after) {
+        arv_buffer_set_timestamp(b, arv_buffer_get_timestamp(b) - 3600000000000u);
+    }
+}
+
+static void read_faults(const char *text)
+{
+    int k;
+
+    for (k = 0; k < FAULTS; k++) {
+        const char *at = strstr(text, faults[k].name);
+        faults[k].after = at ? atoi(at + strlen(faults[k].name)) : 0;
+    }
+}
+
+static int due(int k)
+{
+    int now = faults[k].after && !faults[k].done &&
+              g_atomic_int_get(&sent) >= faults[k].after;
+
+    faults[k].done |= now;
+    return now;
+}
+
+/* What happens to the camera while the command runs. */
+static ArvGvFakeCamera *trouble(ArvGvFakeCamera *gv)
+{
+    ArvFakeCamera *c = gv ? arv_gv_fake_camera_get_fake_camera(gv) : NULL;
+    guint32 h = 0;
+
+    if (c && due(SMALL)) {
+        arv_fake_camera_read_register(c, ARV_FAKE_CAMERA_REGISTER_HEIGHT, &h);
+        arv_fake_camera_write_register(c, ARV_FAKE_CAMERA_REGISTER_HEIGHT, h - 8);
+    }
+    if (c && due(BYTE)) {
+        arv_fake_camera_write_register(c, ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT,
+                                       ARV_PIXEL_FORMAT_MONO_8);
+    }
+    if (c && due(GONE)) {
+        g_object_unref(gv);
+        return NULL;
+    }
+    return gv;
 }
 
 static int run(char **command, const int *go)
@@ -67,6 +121,7 @@ static ArvGvFakeCamera *serve(char **argv)
     arv_fake_camera_write_register(c, ARV_FAKE_CAMERA_REGISTER_PIXEL_FORMAT,
                                    (guint32)strtoul(argv[4], NULL, 0));
     g_random_set_seed(42);
+    read_faults(argv[5]);
     g_object_set(gv, "gvsp-lost-ratio", atof(argv[5]), NULL);
     arv_fake_camera_set_fill_pattern(c, fill, c);
     return gv;
@@ -99,8 +154,11 @@ int main(int argc, char **argv)
         fprintf(stderr, "serve: no camera\n");
         return 1;
     }
-    (void)waitpid(child, &status, 0);
-    g_object_unref(gv);
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        gv = trouble(gv);
+        g_usleep(5000);
+    }
+    g_clear_object(&gv);
     g_free(frames);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 1;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * A GigE Vision camera served by this program to itself, over the loopback of a network
  * of its own.
- * usage: test_port_aravis CAMERA.xml [figures]    figures: the frame rate alone, judged */
+ * usage: test_port_aravis CAMERA.xml [figures]   figures: the frame rate alone */
 #define _GNU_SOURCE
 #include "../unit/suite.h"
 #include "lo.h"
@@ -65,7 +65,7 @@ static void fill(ArvBuffer *b, void *user, guint32 exposure, guint32 gain,
                                     (guint64)g_atomic_pointer_get(&shift_ns));
 }
 
-/* What a camera with IEEE 1588 offers besides: three registers that nothing else uses. */
+/* What a camera with IEEE 1588 offers besides: registers that nothing else uses. */
 #define ENABLE 0x2000
 #define STATUS 0x2004
 #define LATCH  0x2008

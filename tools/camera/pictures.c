@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 200809L
 #include "camera/pictures.h"
 
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/err.h"
 #include "common/frame.h"
@@ -71,6 +74,17 @@ static void pack(const plft_frame *f, int format, uint8_t *to)
     }
 }
 
+/* Ask the system for the next file while this one is decoded. */
+static void look_ahead(const plft_pictures *p)
+{
+    int file = p->next + 1 < p->n ? open(p->paths[p->next + 1], O_RDONLY) : -1;
+
+    if (file >= 0) {
+        (void)posix_fadvise(file, 0, 0, POSIX_FADV_WILLNEED);
+        (void)close(file);
+    }
+}
+
 static int free_slot(const plft_pictures *p)
 {
     int k;
@@ -130,6 +144,7 @@ static plfx_status pictures_acquire(void *context, uint32_t timeout_ms,
         return PLFX_E_DEVICE;
     }
     describe(p, &out, slot);
+    look_ahead(p);
     out.time_ns = pace(p);
     if (read_frame(p, p->next, &f) != PLFX_OK) {
         p->count.incomplete++;

@@ -20,10 +20,10 @@
 #include "v4l2/v4l2.h"
 #endif
 
-#define PATIENCE_MS 5000         /* without a frame before a camera counts as gone */
-#define SLICE_MS    250          /* between looks at the interrupt flag */
-#define ROOM        (64u << 20u) /* of a slot when the size is not known beforehand */
-#define FORMATS     "u8|u16|mono10p|mono12p|mono10packed|mono12packed|csi10|csi12"
+#define PATIENCE_S 12           /* without a frame; Aravis takes 8 to miss a camera */
+#define SLICE_MS   250          /* between looks at the interrupt flag */
+#define ROOM       (64u << 20u) /* of a slot when the size is not known beforehand */
+#define FORMATS    "u8|u16|mono10p|mono12p|mono10packed|mono12packed|csi10|csi12"
 
 typedef union any_camera {
     plfx_replay replay;
@@ -50,6 +50,7 @@ void plft_wish_none(plft_wish *wish)
     wish->format = -1;
     wish->gain_db = NAN;
     wish->slots = 4;
+    wish->patience = PATIENCE_S;
 }
 
 int plft_wish_options(plft_option *table, plft_wish *w)
@@ -66,7 +67,9 @@ int plft_wish_options(plft_option *table, plft_wish *w)
         {"--rate", PLFT_REAL, &w->rate, "HZ", 0.001, 100000, "frames a second"},
         {"--packet", PLFT_INT, &w->packet, "BYTES", 220, 16404, "on the wire"},
         {"--slots", PLFT_INT, &w->slots, "N", 2, 32, "frames of memory; 4"},
-        {"--frames", PLFT_INT, &w->frames, "N", 1, 1e9, "stop after so many"}};
+        {"--frames", PLFT_INT, &w->frames, "N", 1, 1e9, "stop after so many"},
+        {"--timeout", PLFT_REAL, &w->patience, "S", 0.1, 1e6,
+         "seconds without a frame before giving up; 12"}};
 
     memcpy(table, own, sizeof own);
     return PLFT_SOURCE_OPTIONS;
@@ -213,6 +216,37 @@ static const char *words_of(const plft_camera *c)
     return "";
 }
 
+static uint32_t id_of(const plft_camera *c)
+{
+    const any_camera *any = c->state;
+
+#ifdef PLFT_ARAVIS
+    if (c->port == &any->aravis.camera && !c->ends &&
+        strncmp(c->name, "gige", 4) == 0) {
+        return any->aravis.camera_id;
+    }
+#endif
+    return c->ends && !is_picture(c->name) ? any->replay.record.info.camera_id : 0u;
+}
+
+int plft_camera_suits(const plft_camera *c, const plfx_lut *t, const char *path)
+{
+    if (c->camera_id && t->camera_id && c->camera_id != t->camera_id) {
+        return plft_fail(PLFT_DATA, "%s is of camera %u, %s is camera %u", path,
+                         (unsigned)t->camera_id, c->name, (unsigned)c->camera_id);
+    }
+    if (t->sensor_w != c->cfg.w || t->sensor_h != c->cfg.h) {
+        return plft_fail(PLFT_DATA, "%s is for %dx%d pixels, %s sends %dx%d", path,
+                         (int)t->sensor_w, (int)t->sensor_h, c->name, (int)c->cfg.w,
+                         (int)c->cfg.h);
+    }
+    if (t->sensor_bits != c->cfg.bits) {
+        plft_warn("%s is of frames of %d bits, %s sends %d; see --format and --bits",
+                  path, (int)t->sensor_bits, c->name, c->cfg.bits);
+    }
+    return 0;
+}
+
 static int explain(const plft_camera *c, plfx_status status)
 {
     const char *why = status == PLFX_E_DEVICE   ? "cannot be opened"
@@ -252,6 +286,7 @@ int plft_camera_start(plft_camera *c, const plft_wish *wish)
                                      "recording, or pictures");
     }
     c->name = wish->names[0];
+    c->patience_ms = (int64_t)(1000.0 * wish->patience);
     c->state = plft_alloc(1, sizeof(any_camera));
     rc = c->state == NULL ? PLFT_DATA : fill_cfg(&c->cfg, wish);
     rc = rc != 0 ? rc : choose(c, c->state, wish);
@@ -270,24 +305,24 @@ int plft_camera_start(plft_camera *c, const plft_wish *wish)
         plft_camera_stop(c);
         return rc;
     }
-    if (c->ends && !is_picture(c->name)) {
-        c->camera_id = ((const any_camera *)c->state)->replay.record.info.camera_id;
-    }
+    c->camera_id = id_of(c);
     interrupted = 0;
     (void)signal(SIGINT, on_interrupt);
+    (void)signal(SIGTERM, on_interrupt);
     return 0;
 }
 
 int plft_camera_next(plft_camera *c, plfx_camera_frame *frame)
 {
-    int waited;
+    int64_t left = c->patience_ms;
 
-    for (waited = 0; waited < PATIENCE_MS; waited += SLICE_MS) {
+    while (left > 0) { /* at most patience over slice */
+        uint32_t slice = left < SLICE_MS ? (uint32_t)left : SLICE_MS;
         plfx_status status;
         if (interrupted) {
             return -1;
         }
-        status = c->port->acquire(c->port->context, SLICE_MS, frame);
+        status = c->port->acquire(c->port->context, slice, frame);
         if (status == PLFX_OK) {
             return 0;
         }
@@ -299,12 +334,10 @@ int plft_camera_next(plft_camera *c, plfx_camera_frame *frame)
                              status == PLFX_E_DEVICE ? "the camera is gone"
                                                      : "the camera failed");
         }
-        if (c->ends) {
-            waited = 0; /* a file is as slow as it says */
-        }
+        left -= c->ends ? 0 : slice; /* a file is as slow as it says */
     }
-    return plft_fail(PLFT_DATA, "%s: no frame within %d s", c->name,
-                     PATIENCE_MS / 1000);
+    return plft_fail(PLFT_DATA, "%s: no frame within %g s", c->name,
+                     (double)c->patience_ms / 1000.0);
 }
 
 void plft_camera_release(plft_camera *c, const plfx_camera_frame *frame)
@@ -335,6 +368,7 @@ void plft_camera_stop(plft_camera *c)
         (void)c->port->stop(c->port->context);
         c->port->close(c->port->context);
         (void)signal(SIGINT, SIG_DFL);
+        (void)signal(SIGTERM, SIG_DFL);
     }
     free(c->memory);
     free(c->state);

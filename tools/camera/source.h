@@ -9,9 +9,10 @@
 #define PLFT_SOURCE_H
 
 #include "common/args.h"
+#include "plenofix/lut.h"
 #include "plenofix/port.h"
 
-#define PLFT_SOURCE_OPTIONS 11 /* options that plft_source_table() fills in */
+#define PLFT_SOURCE_OPTIONS 12 /* options that plft_wish_options() fills in */
 
 typedef struct plft_wish { /* as the command line names it */
     const char *const *names;
@@ -19,7 +20,7 @@ typedef struct plft_wish { /* as the command line names it */
     const char *size, *offset;
     int format; /* index in PLFT_FORMATS; -1: the camera's */
     int bayer, bits;
-    double exposure_us, gain_db, rate, speed;
+    double exposure_us, gain_db, rate, speed, patience;
     int packet, slots, frames;
 } plft_wish;
 
@@ -29,9 +30,10 @@ typedef struct plft_camera {
     plfx_pool pool;
     const char *name;
     int ends;           /* 1: a file, whose end is no failure */
-    uint32_t camera_id; /* noted in a recording; 0: none */
+    uint32_t camera_id; /* noted in a recording, or of the serial number; 0: none */
 
     void *memory, *state; /* private */
+    int64_t patience_ms;
 } plft_camera;
 
 /* Wishes that leave everything to the camera, without waiting between frames. */
@@ -44,10 +46,14 @@ int plft_wish_options(plft_option *table, plft_wish *wish);
 int plft_camera_start(plft_camera *c, const plft_wish *wish);
 
 /* The next whole frame.  0; PLFT_DATA with a message; -1 at the end of a file or after
- * an interrupt (the first ctrl-C ends a command in order). */
+ * an interrupt (ctrl-C and SIGTERM end a command in order). */
 int plft_camera_next(plft_camera *c, plfx_camera_frame *frame);
 
 void plft_camera_release(plft_camera *c, const plfx_camera_frame *frame);
+
+/* Does a table, read from `path`, belong to the camera's frames?  0, or PLFT_DATA with
+ * a message: another size, another camera.  Warns of another bit depth. */
+int plft_camera_suits(const plft_camera *c, const plfx_lut *lut, const char *path);
 
 /* Line of what was lost, when anything was. */
 void plft_camera_report(const plft_camera *c);
