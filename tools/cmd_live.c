@@ -9,10 +9,13 @@
 #include <unistd.h>
 
 #include "camera/source.h"
+#include "camera/whole.h"
 #include "commands.h"
 #include "common/args.h"
 #include "common/colour.h"
+#include "common/device.h"
 #include "common/err.h"
+#include "common/match.h"
 #include "common/memory.h"
 #include "common/pfm.h"
 #include "common/table.h"
@@ -23,9 +26,10 @@
 
 typedef struct request {
     plft_wish wish;
-    const char *lut, *png, *pfm, *slopes;
+    const char *lut, *png, *pfm, *slopes, *device;
     double radius;
     int views, window;
+    int method; /* plft_method; -1: rows in a stream */
 } request;
 
 typedef struct job {
@@ -36,6 +40,8 @@ typedef struct job {
     plfx_stream stream;
     void *ws;
     uint16_t *grey; /* of a mosaic */
+    plft_whole whole;
+    plfx_map map; /* of whole frames; its slopes are those below */
     int32_t *slope;
     float *v;
     float lo, hi; /* slopes searched */
@@ -74,27 +80,55 @@ static int parse_slopes(const request *r, job *j)
 }
 
 /* Views in a row, the middle one the reference. */
-static int fill_cfg(const request *r, job *j)
+static int fill_stream(const request *r, job *j)
 {
     double radius = r->radius > 0 ? r->radius : j->table.lut.radius_q8 / 256.0;
+    int views = r->views ? r->views : 5;
     int k;
 
-    if (r->views % 2 == 0 || r->window % 2 == 0) {
-        return plft_fail(PLFT_USAGE, "--views and --window want odd numbers");
+    if (views % 2 == 0 || views > 15) {
+        return plft_fail(PLFT_USAGE, "--views %d: want an odd number, 3 to 15", views);
     }
     j->cfg.method = PLFX_METHOD_SWEEP;
     j->cfg.cost = PLFX_COST_SAD;
     j->cfg.fit = PLFX_FIT_VEE;
-    j->cfg.window = (uint8_t)r->window;
+    j->cfg.window = (uint8_t)(r->window ? r->window : 9);
     j->cfg.bits = 8;
-    j->cfg.n = (uint8_t)r->views;
-    j->cfg.ref = (uint8_t)(r->views / 2);
+    j->cfg.n = (uint8_t)views;
+    j->cfg.ref = (uint8_t)(views / 2);
     j->cfg.texture = 8;
-    for (k = 0; k < r->views; k++) {
-        double u = radius * (2.0 * k / (r->views - 1) - 1.0);
+    for (k = 0; k < views; k++) {
+        double u = radius * (2.0 * k / (views - 1) - 1.0);
         j->cfg.at[k].u_q8 = (int16_t)lround(256.0 * u);
     }
     return 0;
+}
+
+/* Whole frames, by what depth would do. */
+static int fill_whole(const request *r, job *j)
+{
+    plft_whole *w = &j->whole;
+
+    w->lut = r->lut;
+    w->wish.method = r->method;
+    w->wish.n = r->views;
+    w->wish.radius = r->radius;
+    w->lo = j->cfg.slope_min_q16 / 65536.0;
+    w->hi = j->cfg.slope_max_q16 / 65536.0;
+    w->labels = j->cfg.labels;
+    w->window = r->window;
+    return plft_device_parse(&w->device, r->device);
+}
+
+static int fill_cfg(const request *r, job *j)
+{
+    if (r->window && r->window % 2 == 0) {
+        return plft_fail(PLFT_USAGE, "--window %d: want an odd number", r->window);
+    }
+    if (r->method < 0 && r->device != NULL) {
+        return plft_fail(PLFT_USAGE, "--device: wants a --method too");
+    }
+    return r->method < 0 ? fill_stream(r, j) : fill_whole(r, j);
 }
 
 static int prepare_stream(job *j, const plft_camera *c)
@@ -132,11 +166,15 @@ static int prepare_stream(job *j, const plft_camera *c)
 
 static int prepare(const request *r, job *j, const plft_camera *c)
 {
-    size_t n = (size_t)j->table.lut.lattice.nx * (size_t)j->table.lut.lattice.ny;
+    const plfx_lattice *l = &j->table.lut.lattice;
+    size_t n = (size_t)l->nx * (size_t)l->ny;
     int rc = plft_camera_suits(c, &j->table.lut, r->lut);
 
-    if (rc != 0) {
-        return rc;
+    rc = rc != 0 ? rc : plft_slopes_alloc(&j->map, l->nx, l->ny);
+    j->slope = j->map.slope_q16;
+    j->v = plft_alloc(n, sizeof *j->v);
+    if (rc != 0 || j->v == NULL || r->method >= 0) {
+        return rc != 0 || j->v != NULL ? rc : PLFT_DATA;
     }
     if (plfx_plan_init(&j->plan, &j->cfg, &j->table.lut, j->table.lut.lattice.nx,
                        j->table.lut.lattice.ny) != PLFX_OK) {
@@ -144,10 +182,8 @@ static int prepare(const request *r, job *j, const plft_camera *c)
                          "these views and slopes reach beyond the map; fewer "
                          "views or smaller slopes");
     }
-    j->slope = plft_alloc(n, sizeof *j->slope);
-    j->v = plft_alloc(n, sizeof *j->v);
     j->grey = plft_alloc((size_t)c->cfg.w * 3, sizeof *j->grey);
-    return j->slope && j->v && j->grey ? prepare_stream(j, c) : PLFT_DATA;
+    return j->grey ? prepare_stream(j, c) : PLFT_DATA;
 }
 
 /* Row y of the frame; of a mosaic its grey. */
@@ -195,7 +231,7 @@ static plfx_status pop_all(job *j, int32_t ready)
     return status;
 }
 
-static int map_frame(job *j, const plfx_camera_frame *f)
+static int stream_frame(job *j, const plfx_camera_frame *f)
 {
     plfx_status status = plfx_stream_reset(&j->stream);
     int32_t first = 0;
@@ -292,7 +328,8 @@ static int run(const request *r, job *j, plft_camera *c)
             break;
         }
         t0 = now();
-        rc = map_frame(j, &f);
+        rc = r->method < 0 ? stream_frame(j, &f)
+                           : plft_whole_map(&j->whole, &f, c->name, &j->map);
         rc = rc != 0 ? rc : show(r, j, &f, now() - t0);
         plft_camera_release(c, &f);
         n++;
@@ -311,7 +348,7 @@ int plft_cmd_live(int argc, char **argv)
         "latest "
         "map\nas a picture.  Ctrl-C ends it."};
     static const char *operand[1];
-    plft_option options[PLFT_SOURCE_OPTIONS + 9];
+    plft_option options[PLFT_SOURCE_OPTIONS + 11];
     request r;
     job j;
     plft_camera c;
@@ -322,15 +359,19 @@ int plft_cmd_live(int argc, char **argv)
     memset(&j, 0, sizeof j);
     plft_wish_none(&r.wish);
     r.wish.speed = 1;
-    r.views = 5;
-    r.window = 9;
+    r.method = -1;
     {
         const plft_option own[] = {
             {"--lut", PLFT_TEXT, &r.lut, "CAM.plut", 0, 0, "lens table"},
             {"--slopes", PLFT_TEXT, &r.slopes, "MIN:MAX:N", 0, 0, "slopes searched"},
-            {"--views", PLFT_INT, &r.views, "N", 3, 15, "views in a row, odd; 5"},
+            {"--method", PLFT_WORD, &r.method, PLFT_METHODS, 0, 0,
+             "whole frames, with the answers of depth; rows as they come"},
+            {"--device", PLFT_TEXT, &r.device, "cpu|cl[:N]", 0, 0,
+             "where --method is computed; cpu"},
+            {"--views", PLFT_INT, &r.views, "N", 2, PLFX_VIEWS_MAX,
+             "of rows: in a row, odd, 5; of --method: as depth"},
             {"--window", PLFT_INT, &r.window, "N", PLFX_WINDOW_MIN, PLFX_WINDOW_MAX,
-             "lenses on a side, odd; 9"},
+             "lenses on a side, odd; 9, with --method as depth"},
             {"--radius", PLFT_REAL, &r.radius, "R", 0.1, 127,
              "of the outermost views, pixels; the table's"},
             {"-o", PLFT_TEXT, &r.png, "LATEST.png", 0, 0,
@@ -363,7 +404,7 @@ int plft_cmd_live(int argc, char **argv)
     plft_table_free(&j.table);
     free(j.ws);
     free(j.grey);
-    free(j.slope);
+    plft_slopes_free(&j.map);
     free(j.v);
     return rc;
 }

@@ -23,6 +23,18 @@ pixels=$((${size%x*} * ${size#*x}))
 "$plenofix" record s/scene.png --bits 12 -o f.plxr >/dev/null
 tail -c +$((4096 + 64 + 1)) f.plxr | head -c $((2 * pixels)) >f.raw
 
+# The same, two pixels in three bytes (Mono12p).
+python3 - f.raw f.p12 <<'PY'
+import sys
+v = open(sys.argv[1], 'rb').read()
+p = [v[k] | v[k + 1] << 8 for k in range(0, len(v), 2)]
+out = bytearray()
+for a, b in zip(p[0::2], p[1::2]):
+    out += bytes((a & 255, a >> 8 | (b & 15) << 4, b >> 4))
+open(sys.argv[2], 'wb').write(out)
+PY
+"$plenofix" grab f.p12 --size "$size" --format mono12p -o g12.png >/dev/null
+
 run() { # LOST COMMAND...
     lost=$1
     shift
@@ -40,6 +52,16 @@ for f in g.png s/scene.png; do
         >/dev/null
 done
 cmp g.png.pfm scene.png.pfm
+# The camera's frames by a method of depth, packed on the wire: depth's own map.
+for method in binocular plenoptic sweep gradient; do
+    "$plenofix" depth s/scene.png --bits 12 --lut t.plut --slopes 0:0.2:21 \
+        --method $method -o d.pfm >/dev/null
+    "$serve" "$xml" f.p12 "$size" 0x010c0047 0 "$plenofix" live gige --lut t.plut \
+        --slopes 0:0.2:21 --method $method --frames 2 --pfm l.pfm >/dev/null
+    cmp d.pfm l.pfm
+done
+"$serve" "$xml" f.p12 "$size" 0x010c0047 0 "$plenofix" grab gige -o p.png >/dev/null
+cmp p.png g12.png
 live="--lut t.plut --slopes 0:0.2:21 --window 5"
 # shellcheck disable=SC2086
 run 0 live gige $live --frames 3 --pfm c.pfm -o c.png >log

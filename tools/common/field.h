@@ -13,6 +13,7 @@
 /* What the command line names. */
 typedef struct plft_source {
     const char *raw, *lut, *white, *dark;
+    plft_frame *frame; /* not NULL: instead of the file `raw`, and taken over */
     const char *dir, *grid, *pattern;
     int bits;      /* of the raw samples; 0: as the file */
     int view_bits; /* 0: 12 for raw samples of 12 bits and more, else 10 */

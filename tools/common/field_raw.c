@@ -128,11 +128,22 @@ static void first_tone(const plft_field *field, const plft_frame *f, int half,
     tone->dx_q8 = tone->dy_q8 = (int16_t)(half ? -128 : 0);
 }
 
-/* Read one frame down to one plane without its dark level. */
+/* The frame in memory, or that of a file. */
+static int take_frame(plft_frame *f, const char *path, const plft_source *s)
+{
+    if (s->frame == NULL || path != s->raw) {
+        return plft_frame_read(f, path, s->bits);
+    }
+    *f = *s->frame;
+    memset(s->frame, 0, sizeof *s->frame);
+    return 0;
+}
+
+/* One frame down to one plane without its dark level. */
 static int read_plane(plft_frame *f, const char *path, const plft_source *s,
                       const plft_frame *dark, int *half)
 {
-    int rc = plft_frame_read(f, path, s->bits);
+    int rc = take_frame(f, path, s);
 
     if (rc == 0 && dark->px != NULL) {
         rc = plft_subtract_dark(f, dark, s->dark);
