@@ -190,6 +190,16 @@ void plfx_frame_tables(const plfx_frame_state *s, const uint8_t *skip)
     }
 }
 
+/* The winner's own error, which the prior stands for, grows with noise: 0.05 columns a
+ * grey level, in quadrature. */
+static uint16_t widened_prior(const plfx_frame_cfg *c)
+{
+    uint64_t more = 64u * (uint64_t)c->noise_q4 / 5u;
+    uint64_t p = plfx_isqrt_u64((uint64_t)c->prior_q12 * c->prior_q12 + more * more);
+
+    return (uint16_t)(p < UINT16_MAX ? p : UINT16_MAX);
+}
+
 /* Costs of matching samples grow with the noise: truncation, penalties, grey gates and
  * residual limits move with it. */
 static void adapt(plfx_frame_cfg *c)
@@ -202,6 +212,7 @@ static void adapt(plfx_frame_cfg *c)
     c->p2_q4 = (uint16_t)(c->p2_q4 + (14u * n + 10u) / 20u);
     c->similar_q4 = (uint16_t)(c->similar_q4 + 4u * n);
     c->robust_q4 = (uint16_t)(c->robust_q4 + 2u * n);
+    c->prior_q12 = widened_prior(c);
 }
 
 plfx_status plfx_frame_derive(plfx_frame_state *s, const plfx_plan *plan,
@@ -263,6 +274,11 @@ size_t plfx_frame_carve(plfx_frame_state *s, void *base)
     s->conf = plfx_take(&a, pixels, 2);
     s->sigma = plfx_take(&a, pixels, 2);
     s->flags = plfx_take(&a, pixels, 1);
+    if (s->cfg.taps) {
+        s->base = plfx_take(&a, pixels, 4);
+        s->misfit = plfx_take(&a, pixels, 4);
+        s->lever = plfx_take(&a, pixels, 4);
+    }
     if (s->cfg.axes) {
         int32_t k;
         for (k = 0; k < 2; k++) {
@@ -369,7 +385,7 @@ static void refine(plfx_frame_state *s)
         swap_maps(s);
     }
     for (i = 0; s->cfg.taps && i < s->cfg.passes; i++) {
-        plfx_refine(s, s->e_a, s->e_b);
+        plfx_refine(s, s->e_a, s->e_b, i + 1 == s->cfg.passes);
         swap_maps(s);
     }
     if (s->cfg.median2) {

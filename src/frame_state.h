@@ -31,7 +31,10 @@ typedef struct plfx_frame_state {
     uint16_t *conf;         /* [ny][nx] */
     uint8_t *flags;
     uint16_t *sigma;
-    void *scratch; /* of one stage at a time */
+    uint32_t *base;   /* [ny][nx] with refinement: error of e, q16 columns */
+    uint32_t *misfit; /* mean w r^2, q8 */
+    uint32_t *lever;  /* error a count of misfit, q20 columns */
+    void *scratch;    /* of one stage at a time */
 } plfx_frame_state;
 
 static inline const uint16_t *plfx_frame_row(const plfx_frame_state *s, int32_t k,
@@ -74,6 +77,8 @@ size_t plfx_median_scratch(const plfx_frame_state *s);
 void plfx_median(const plfx_frame_state *s, int32_t window, const int32_t *in,
                  int32_t *out);
 size_t plfx_refine_scratch(const plfx_frame_state *s);
-void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out);
+/* One pass; standard errors only with the last. */
+void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out,
+                 int32_t last);
 
 #endif

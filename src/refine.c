@@ -4,44 +4,40 @@
  *   r = V(x + e*bx, y + e*by) - I(x,y),   g = bx*Ix + by*Iy
  *   A = sum w g^2,  B = sum w g r,  R = sum w r^2  (each >> 8),  W = sum w
  * then over the window's pixels q with |e(q) - e(p)| < gate
- *   step = sum(A (e(q)-e(p)) - B) / (sum A + lambda),  lambda = mean(r^2) / prior^2
- * |r| < 2^15, |g| < 2^17, n <= 128: A < 2^41, and 225 of them times the gate < 2^65 is
- * never met because |g| < 2^15 on average over directions; sums saturate by design of
- * the bounds below. */
+ *   step = sum(A (e(q)-e(p)) - B) / (A' + lambda),  lambda = mean(r^2) / prior^2
+ * A' is sum A less what noise adds to squared gradients, W mean(b^2) noise^2 K, K the
+ * sum of squares of the derivative's taps; at least a quarter of sum A.
+ * |r| < 2^15, |g| < 2^16, n <= 128: A < 2^39, and 225 of them under 2^47; times the
+ * gate under 2^63. */
 #include <string.h>
 
 #include "frame_state.h"
 #include "arena.h"
 #include "fix.h"
 #include "ls_kernel.h"
+#include "refine_state.h"
 
 #define RESIDUAL_FLOOR 819 /* q8 of 12-bit counts: (0.11 grey levels)^2 */
-#define TUKEY_STEPS    256
-#define DISSENT_MAX    (1 << 26) /* squared and summed over 225 pixels: under 2^60 */
 #define OUTSIDE        (1 << 24)
+#define NOISE_PLAIN    14791 /* K in q14 of views as they are: 130/144 */
+#define NOISE_SMOOTH   1397  /* and of smoothed ones, of the noise before smoothing */
 
-typedef struct sums {
-    int64_t a, b, r;
-    int32_t w, n;
-} sums;
-
-typedef struct scratch {
-    sums *ring;       /* [window][nx] */
-    int32_t *gx, *gy; /* [nx] */
-    int32_t *value;   /* [nx] */
-    uint16_t *tukey;  /* [TUKEY_STEPS] */
-} scratch;
+typedef plfx_sums sums;
+typedef plfx_refine_work scratch;
 
 static size_t carve(const plfx_frame_state *s, scratch *t, void *base)
 {
     plfx_arena a = {base, 0};
     size_t nx = (size_t)s->nx;
+    size_t side = (size_t)s->cfg.window + 4;
 
     t->ring = plfx_take(&a, (size_t)s->cfg.window * nx, sizeof *t->ring);
     t->gx = plfx_take(&a, nx, sizeof *t->gx);
     t->gy = plfx_take(&a, nx, sizeof *t->gy);
     t->value = plfx_take(&a, nx, sizeof *t->value);
-    t->tukey = plfx_take(&a, TUKEY_STEPS, sizeof *t->tukey);
+    t->tukey = plfx_take(&a, PLFX_TUKEY_STEPS, sizeof *t->tukey);
+    t->score = plfx_take(&a, side * side, sizeof *t->score);
+    t->bin = plfx_take(&a, PLFX_MISFIT_BINS, sizeof *t->bin);
     return a.used;
 }
 
@@ -57,7 +53,7 @@ static void fill_tukey(scratch *t)
 {
     uint32_t i;
 
-    for (i = 0; i < TUKEY_STEPS; i++) {
+    for (i = 0; i < PLFX_TUKEY_STEPS; i++) {
         uint32_t q = 65536u - i * i;
         t->tukey[i] = (uint16_t)((q >> 8) * (q >> 8) >> 8);
     }
@@ -267,15 +263,10 @@ static void add_view(const plfx_frame_state *s, const scratch *t, int32_t k, int
     }
 }
 
-static sums *ring_row(const plfx_frame_state *s, const scratch *t, int32_t y)
-{
-    return t->ring + (size_t)(y % s->cfg.window) * (size_t)s->nx;
-}
-
 static void sum_row(const plfx_frame_state *s, const scratch *t, const int32_t *e,
                     int32_t y)
 {
-    sums *row = ring_row(s, t, y);
+    sums *row = plfx_refine_row(s, t, y);
     int32_t k;
     int32_t x;
 
@@ -294,9 +285,7 @@ static void sum_row(const plfx_frame_state *s, const scratch *t, const int32_t *
     }
 }
 
-typedef struct window {
-    int32_t x0, x1, y0, y1;
-} window;
+typedef plfx_refine_window window;
 
 static window window_of(const plfx_frame_state *s, int32_t x, int32_t y)
 {
@@ -320,7 +309,7 @@ static sums gather(const plfx_frame_state *s, const scratch *t, const int32_t *e
     int32_t xx;
 
     for (yy = w.y0; yy <= w.y1; yy++) {
-        const sums *row = ring_row(s, t, yy);
+        const sums *row = plfx_refine_row(s, t, yy);
         const int32_t *there = e + (size_t)yy * (size_t)s->nx;
         for (xx = w.x0; xx <= w.x1; xx++) {
             int32_t d = there[xx] - here;
@@ -337,83 +326,58 @@ static sums gather(const plfx_frame_state *s, const scratch *t, const int32_t *e
     return total;
 }
 
-/* Gauss-Newton step, q16 columns, from the window's sums. */
-static int32_t step_of(const plfx_frame_state *s, const sums *t, int64_t lambda)
+/* Squared gradient that noise alone gives a view, q8 of A. */
+static int64_t gradient_noise(const plfx_frame_state *s)
 {
-    int32_t most = s->cfg.clamp_q8 * 256;
-    int64_t d = plfx_div_round_i64(t->b, t->a + lambda);
+    int64_t n2 = (int64_t)s->cfg.noise_q4 * s->cfg.noise_q4; /* counts^2 */
+    int64_t share = 0;
+    int64_t views = 0;
+    int32_t k;
 
-    return (int32_t)(d > most ? most : d < -most ? -most : d);
+    for (k = 0; k < s->n; k++) {
+        if (s->arm_of[k] >= 0) {
+            share += (int64_t)s->bx_q16[k] * s->bx_q16[k];
+            share += (int64_t)s->by_q16[k] * s->by_q16[k];
+            views++;
+        }
+    }
+    share = plfx_asr_i64(share / views, 16); /* at most 2^17 */
+    return plfx_asr_i64(share * n2 * (s->smooth ? NOISE_SMOOTH : NOISE_PLAIN), 18);
+}
+
+/* Information without what noise adds to it. */
+static int64_t information(const sums *t, int64_t noise_q8)
+{
+    int64_t left = t->a - plfx_asr_i64(t->w * noise_q8, 16);
+    int64_t least = plfx_asr_i64(t->a, 2);
+
+    return left < least ? least : left;
+}
+
+/* Mean of w r^2 over the views' samples, q8. */
+static int64_t misfit_of(const sums *t)
+{
+    int64_t mean_q8 = t->n > 0 ? t->r / t->n : 0;
+
+    return mean_q8 < RESIDUAL_FLOOR ? RESIDUAL_FLOOR : mean_q8;
 }
 
 /* Noise over the information prior: q8 -> q4, q24 of 1/prior^2; at least 1. */
-static int64_t damping(const plfx_frame_state *s, const sums *t)
+static int64_t damping(const plfx_frame_state *s, int64_t misfit_q8)
 {
     int64_t prior2 = (int64_t)s->cfg.prior_q12 * s->cfg.prior_q12;
-    int64_t mean_q8 = t->n > 0 ? t->r / t->n : 0; /* mean w r^2 / 256: q8 */
-    int64_t lambda;
+    int64_t lambda = (misfit_q8 << 20) / prior2;
 
-    mean_q8 = mean_q8 < RESIDUAL_FLOOR ? RESIDUAL_FLOOR : mean_q8;
-    lambda = (mean_q8 << 20) / prior2;
     return lambda < 1 ? 1 : lambda;
 }
 
-/* What pixel q says against the window's step: A (e(q) - e(p) - step) - B, columns, q4,
- * squared. */
-static uint64_t dissent(const sums *q, int32_t d, int32_t step)
+/* Gauss-Newton step, q16 columns. */
+static int32_t step_of(const plfx_frame_state *s, const plfx_solution *v, int64_t b)
 {
-    int64_t t = plfx_asr_i64(q->a * (d - step) - q->b * 16384, 16);
+    int32_t most = s->cfg.clamp_q8 * 256;
+    int64_t d = plfx_div_round_i64(b, v->a + v->lambda);
 
-    t = t > DISSENT_MAX ? DISSENT_MAX : t < -DISSENT_MAX ? -DISSENT_MAX : t;
-    return (uint64_t)(t * t);
-}
-
-/* Sum of squares over the window: it holds noise and misfit alike. */
-static uint64_t scatter(const plfx_frame_state *s, const scratch *t, const int32_t *e,
-                        window w, int32_t here, int32_t step)
-{
-    int32_t gate = s->cfg.gate_q8 * 256;
-    uint64_t sum = 0;
-    int32_t yy;
-    int32_t xx;
-
-    for (yy = w.y0; yy <= w.y1; yy++) {
-        const sums *row = ring_row(s, t, yy);
-        const int32_t *there = e + (size_t)yy * (size_t)s->nx;
-        for (xx = w.x0; xx <= w.x1; xx++) {
-            int32_t d = there[xx] - here;
-            if (d < gate && d > -gate) {
-                sum += dissent(row + xx, d, step);
-            }
-        }
-    }
-    return sum;
-}
-
-/* Standard error of e, q16 columns: sqrt(scatter + lambda^2 prior^2) / (A + lambda). */
-static uint32_t error_of(const plfx_frame_state *s, const sums *t, int64_t lambda,
-                         uint64_t sum)
-{
-    uint64_t root = plfx_isqrt_u64(sum);
-    uint64_t pull = ((uint64_t)lambda * s->cfg.prior_q12) >> 12;
-    uint64_t norm;
-
-    root = root > DISSENT_MAX ? DISSENT_MAX : root;
-    pull = pull > DISSENT_MAX ? DISSENT_MAX : pull;
-    norm = plfx_isqrt_u64(root * root + pull * pull); /* under 2^29 */
-    norm = (norm << 16) / (uint64_t)(t->a + lambda);
-    return norm > UINT32_MAX ? UINT32_MAX : (uint32_t)norm;
-}
-
-/* Widened, and raised where a rival is near: confidence under 0.6 (39322). */
-static uint32_t stated(const plfx_frame_state *s, uint32_t error_q16, uint16_t conf)
-{
-    uint64_t v = (uint64_t)error_q16 * s->cfg.widen_q4 >> 4;
-    uint32_t near_q8 = conf < 39322u ? (39322u - conf) * 256u / 39322u : 0u;
-
-    v = s->smooth ? v * 4u / 3u : v;
-    v += ((uint64_t)near_q8 * near_q8 * s->cfg.rival_q8) >> 8;
-    return v > UINT32_MAX ? UINT32_MAX : (uint32_t)v;
+    return (int32_t)(d > most ? most : d < -most ? -most : d);
 }
 
 static void finish_pixel(const plfx_frame_state *s, const scratch *t, const int32_t *in,
@@ -422,19 +386,24 @@ static void finish_pixel(const plfx_frame_state *s, const scratch *t, const int3
     size_t at = (size_t)y * (size_t)s->nx + (size_t)x;
     window w = window_of(s, x, y);
     sums total = gather(s, t, in, w, in[at]);
-    int64_t lambda = damping(s, &total);
-    int32_t step = step_of(s, &total, lambda);
-    uint32_t error;
+    plfx_solution v;
 
-    out[at] = in[at] + step;
-    error = error_of(s, &total, lambda, scatter(s, t, in, w, in[at], step));
-    s->sigma[at] = plfx_frame_sigma(s, stated(s, error, s->conf[at]));
+    v.a = information(&total, t->noise_q8);
+    v.misfit_q8 = misfit_of(&total);
+    v.lambda = damping(s, v.misfit_q8);
+    v.step = step_of(s, &v, total.b);
+    v.samples = total.n;
+    out[at] = in[at] + v.step;
+    if (t->last) {
+        plfx_sigma_pixel(s, t, in, w, at, &v);
+    }
     if (total.w < total.n * 160) {
         s->flags[at] |= PLFX_FLAG_OCCLUDED;
     }
 }
 
-void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out)
+void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out,
+                 int32_t last)
 {
     scratch t;
     int32_t r = s->cfg.window / 2;
@@ -442,6 +411,8 @@ void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out)
     int32_t x;
 
     (void)carve(s, &t, s->scratch);
+    t.last = last;
+    t.noise_q8 = gradient_noise(s);
     fill_tukey(&t);
     for (y = 0; y < s->ny + r; y++) {
         if (y < s->ny) {
@@ -450,5 +421,8 @@ void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out)
         for (x = 0; y >= r && x < s->nx; x++) {
             finish_pixel(s, &t, in, x, y - r, out);
         }
+    }
+    if (last) {
+        plfx_sigma_finish(s, &t);
     }
 }

@@ -22,13 +22,15 @@
  * (1-(r/R)^2)^2, over the window's pixels whose own e lies within the gate, pulled to
  * its start by a prior of standard deviation `prior`; clamped.
  *
- * Standard error of e, A and B the window's sums of w g^2 and w g r, t the share of
- * one pixel in the step's equation:
- *   widen * sqrt(sum t^2 + lambda^2 prior^2) / (A + lambda)
- *     + rival * max(0, 1 - c/0.6)^2
- * The first part holds noise and misfit as the window's pixels show them; the second
- * the chance that another label is the right one, by the confidence c.  Views smoothed
- * against noise count 4/3 of it: their samples are not independent. */
+ * Standard error of e, in quadrature (A the window's information, lambda the prior's):
+ *   the scatter of the window's scores over A + lambda: noise and the errors of
+ *     interpolation as its own pixels show them (src/sigma.c);
+ *   lambda prior / (A + lambda): what the prior holds back;
+ *   sqrt((m - m0) samples A / arms) / (A + lambda): m the mean squared residual, m0 its
+ *     median over the frame; what exceeds it is no noise but another surface, the same
+ *     for a whole window and arm;
+ *   rival max(0, 1 - c/0.6)^2: another label may be right; c the confidence.
+ */
 #ifndef PLENOFIX_FRAME_H
 #define PLENOFIX_FRAME_H
 
@@ -62,10 +64,9 @@ typedef struct plfx_frame_cfg {
     uint16_t robust_q4;    /* R */
     uint16_t gate_q8;      /* columns */
     uint16_t clamp_q8;     /* columns */
-    uint16_t widen_q4; /* standard errors times this: what the information leaves out */
-    uint16_t rival_q8; /* added to them where a rival label is near, columns */
-    uint16_t prior_q12; /* columns */
-    uint16_t noise_q4;  /* standard deviation of the noise of a view */
+    uint16_t rival_q8;     /* of the standard error, columns */
+    uint16_t prior_q12;    /* columns, of views without noise */
+    uint16_t noise_q4;     /* standard deviation of the noise of a view */
 } plfx_frame_cfg;
 
 /* Workspace of plfx_frame(), bytes: exactly enough; 0 if cfg does not suit the plan.

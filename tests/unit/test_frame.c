@@ -217,6 +217,36 @@ static void median_is_the_least_half(void **state)
     free(raw);
 }
 
+/* Standard error of the step by frame.h's first two terms, columns: no noise, whole
+ * window, all neighbours within the gate. */
+static double ref_error(const plfx_frame_state *s, const int32_t *in, int x, int y,
+                        double step, double a, double lambda)
+{
+    double t[9][9] = {{0}};
+    double bias = 1 - pow((3 * 5 - 8. / 3) / 25, 2);
+    double mean = lambda * pow(s->cfg.prior_q12 / 4096., 2);
+    double sum = 0;
+    double pull = lambda * s->cfg.prior_q12 / 4096.;
+    int i;
+    int k;
+
+    for (i = 0; i < 25; i++) {
+        int at = (y + i / 5 - 2) * NX + x + i % 5 - 2;
+        ref_sums q = ref_pixel(s, in[at] / 65536., at % NX, at / NX);
+        t[i / 5 + 2][i % 5 + 2] =
+            q.a * ((in[at] - in[y * NX + x]) / 65536. - step) - q.b;
+    }
+    for (i = 0; i < 49; i++) {
+        double b = 0;
+        for (k = 0; k < 9; k++) {
+            b += t[i / 7 + k / 3][i % 7 + k % 3];
+        }
+        sum += b * b / 9 / bias;
+    }
+    sum = sum < a * mean ? a * mean : sum;
+    return sqrt(sum + pull * pull) / (a + lambda);
+}
+
 /* One step in fixed point against double: the step is small against its error. */
 static void compare_step(int taps, double tolerance)
 {
@@ -236,7 +266,7 @@ static void compare_step(int taps, double tolerance)
         in[x] = (int32_t)(0.63 * 65536) + (int32_t)(random_next() % 4000u) - 2000;
         s.flags[x] = 0;
     }
-    plfx_refine(&s, in, out);
+    plfx_refine(&s, in, out, 1);
     for (y = 6; y < NY - 6; y += 3) {
         for (x = 6; x < NX - 6; x += 2) {
             double a = 0;
@@ -258,6 +288,16 @@ static void compare_step(int taps, double tolerance)
             b /= a + mean / (prior * prior);
             assert_true(fabs((out[y * NX + x] - in[y * NX + x]) / 65536. - b) <
                         tolerance);
+            if (taps == 6) {
+                double error =
+                    ref_error(&s, in, x, y, b, a, mean / (prior * prior)) * 65536;
+                assert_true(fabs(s.base[y * NX + x] - error) < 2 + 0.03 * error);
+                assert_true(fabs(s.misfit[y * NX + x] / 256. - mean) <
+                            0.1 + 0.02 * mean);
+                error = sqrt(n * a / s.arms) / (a + mean / (prior * prior));
+                assert_true(fabs(s.lever[y * NX + x] / 1048576. - error) <
+                            0.02 * error);
+            }
         }
     }
     free(raw);
