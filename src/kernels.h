@@ -16,6 +16,18 @@
 
 #include <stdint.h>
 
+/* Explicit kernels of src/simd/ stand in for kernels_pair.c when the build defines
+ * PLFX_KERNELS_AVX2 or PLFX_KERNELS_DSP: the same bits. */
+#if defined(PLFX_KERNELS_AVX2)
+#define PLFX_KERNELS_C 0
+#define PLFX_LANES     16
+#elif defined(PLFX_KERNELS_DSP)
+#define PLFX_KERNELS_C 0
+#define PLFX_LANES     2
+#else
+#define PLFX_KERNELS_C 1
+#endif
+
 /* Lanes: 1, 2, 4, 8, 16 or 32.  Sizes of workspaces depend on it, results do not. */
 #ifndef PLFX_LANES
 #if defined(__AVX2__)
@@ -82,6 +94,16 @@ void plfx_k_cost_2d(uint16_t *item, const int16_t *c, const int16_t *base,
 /* item >>= shift over n cells. */
 void plfx_k_scale(uint16_t *item, int32_t n, int32_t shift);
 
+/* What a slide of the window leaves for plfx_k_select(): the least sum of every lane,
+ * and with one lane also its label (the first) and whether a label that is no neighbour
+ * is as good. */
+typedef struct plfx_lead {
+    int16_t least[PLFX_LANES];
+#if PLFX_LANES == 1
+    int16_t label, tie;
+#endif
+} plfx_lead;
+
 /* One block of a pair at whole-sample shifts, label l at right + l*step:
  *   col += (|l0 - right| - |l1 - gone|) >> s1 each;  sum += (col >> s2) - (leave >> s2)
  * with l1, gone (step gone_step) the row that leaves the window. */
@@ -91,27 +113,34 @@ typedef struct plfx_pair_block {
     const uint16_t *leave;
     const int16_t *left, *right, *left_gone, *right_gone;
     int32_t step, gone_step, labels, s1, s2;
+    plfx_lead *lead;
 } plfx_pair_block;
 void plfx_k_pair(const plfx_pair_block *b);
 
-/* col += item - gone;  sum += (col >> s2) - (leave >> s2), n cells. */
-void plfx_k_update(uint16_t *col, int16_t *sum, const uint16_t *item,
-                   const uint16_t *gone, const uint16_t *leave, int32_t n, int32_t s2);
+/* col += item - gone;  sum += (col >> s2) - (leave >> s2), labels*PLFX_LANES cells. */
+typedef struct plfx_update_block {
+    uint16_t *col;
+    int16_t *sum;
+    const uint16_t *item, *gone, *leave;
+    int32_t labels, s2;
+    plfx_lead *lead;
+} plfx_update_block;
+void plfx_k_update(const plfx_update_block *b);
 
-/* sum += (enter >> s2) - (leave >> s2), n cells; enter need not be aligned. */
-void plfx_k_slide(int16_t *sum, const uint16_t *enter, const uint16_t *leave, int32_t n,
-                  int32_t s2);
+/* sum += (enter >> s2) - (leave >> s2); enter need not be aligned. */
+void plfx_k_slide(int16_t *sum, const uint16_t *enter, const uint16_t *leave,
+                  int32_t labels, int32_t s2, plfx_lead *lead);
 
-/* Winners of one block.  order[l*PLFX_LANES + i] = that index.  sum has one readable
- * label before and behind. */
+/* Winners of one block.  order[q] = n - q for n = labels*PLFX_LANES cells.  sum has
+ * one readable label before and behind. */
 typedef struct plfx_winners {
     int16_t *code;  /* 32*label + fraction + 8, fraction -8 .. 8 sixteenths; the sign
                             bit is set when a label that is no neighbour is as good */
     uint16_t *conf; /* margin over the second best, select.c; NULL: not wanted */
     uint16_t floor_cost; /* of the margin, under 2^14 */
 } plfx_winners;
-void plfx_k_select(const int16_t *sum, const int16_t *order, int32_t labels,
-                   int32_t fit, const plfx_winners *out);
+void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
+                   int32_t labels, int32_t fit, const plfx_winners *out);
 
 /* out[lane*blocks + b] = in[b*PLFX_LANES + lane] for indices under n. */
 void plfx_k_unstripe(const int16_t *in, int32_t blocks, int32_t n, int16_t *out);

@@ -10,6 +10,12 @@ static int32_t other_view(const plfx_plan *plan, int32_t o)
     return o < plan->cfg.ref ? o : o + 1;
 }
 
+/* What a slide leaves for the winners lies behind the sums. */
+static plfx_lead *lead_of(const plfx_match *m)
+{
+    return (plfx_lead *)(void *)(m->sum + m->cells + PLFX_LANES);
+}
+
 /* What the labels ask of the views: pads of each, rows around the target. */
 typedef struct survey {
     int32_t flat, above, below;
@@ -148,7 +154,8 @@ void plfx_match_carve(plfx_match *m, const plfx_plan *plan, int32_t leave,
     m->gone = m->leave == PLFX_LEAVE_ROWS ? plfx_take(a, cells, cell) : NULL;
     m->zero = plfx_take(a, cells, cell);
     m->order = plfx_take(a, cells, cell);
-    m->sum = plfx_take(a, cells + 2u * PLFX_LANES, cell);
+    m->sum = plfx_take(a, cells + 2u * PLFX_LANES + sizeof(plfx_lead) / sizeof(int16_t),
+                       cell);
     m->sum = m->sum ? m->sum + PLFX_LANES : NULL;
     m->span = plfx_take(a, (size_t)m->pairs * (size_t)m->labels, sizeof(plfx_span));
 }
@@ -224,7 +231,7 @@ static void prepare(plfx_match *m)
         }
     }
     for (k = 0; k < m->cells; k++) {
-        m->order[k] = (int16_t)k;
+        m->order[k] = (int16_t)(m->cells - k);
     }
     memset(m->zero, 0, (size_t)m->cells * sizeof(uint16_t));
 }
@@ -420,7 +427,7 @@ static void winners(const plfx_match *m, const pass *s, int32_t b)
     out.code = m->code + at;
     out.conf = s->conf ? m->conf + at : NULL;
     out.floor_cost = m->floor_cost;
-    plfx_k_select(m->sum, m->order, m->labels, m->plan->cfg.fit, &out);
+    plfx_k_select(m->sum, lead_of(m), m->order, m->labels, m->plan->cfg.fit, &out);
 }
 
 static void run_whole(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
@@ -433,6 +440,7 @@ static void run_whole(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
 
     k.col = cols;
     k.sum = m->sum;
+    k.lead = lead_of(m);
     k.left = s->in.ref;
     k.right = s->in.base + to;
     k.left_gone = s->leaves ? s->out.ref : (const int16_t *)m->zero;
@@ -460,6 +468,8 @@ static void run_general(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
 {
     size_t cells = (size_t)m->cells;
     size_t ahead = (size_t)m->plan->cfg.window * cells;
+    plfx_update_block u = {
+        NULL, m->sum, m->item, NULL, NULL, m->labels, m->plan->sad_shift2, lead_of(m)};
     int32_t b;
 
     for (b = 0; b < m->blocks; b++) {
@@ -475,7 +485,10 @@ static void run_general(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
             block_cost(m, p, &s->out, b, m->gone);
             gone = m->gone;
         }
-        plfx_k_update(col, m->sum, m->item, gone, leave, m->cells, m->plan->sad_shift2);
+        u.col = col;
+        u.gone = gone;
+        u.leave = leave;
+        plfx_k_update(&u);
         if (held) {
             memcpy(held, m->item, cells * sizeof(uint16_t));
         }
@@ -502,7 +515,8 @@ static void run_pair(plfx_match *m, int32_t p, const pass *s)
     }
     for (b = m->blocks; s->emit && b < m->blocks + w - 1; b++) { /* one segment on */
         plfx_k_slide(m->sum, cols + (size_t)(b - m->blocks) * cells + 1,
-                     cols + (size_t)(b - w) * cells, m->cells, m->plan->sad_shift2);
+                     cols + (size_t)(b - w) * cells, m->labels, m->plan->sad_shift2,
+                     lead_of(m));
         winners(m, s, b);
     }
 }
@@ -591,6 +605,8 @@ void plfx_match_row(plfx_match *m, const plfx_rows *src, int32_t y,
 void plfx_match_drop(plfx_match *m, const plfx_rows *src, int32_t y)
 {
     int32_t row = y - m->plan->cfg.window / 2;
+    plfx_update_block u = {NULL,    m->sum,    m->zero, m->item,
+                           m->zero, m->labels, 0,       lead_of(m)};
     stripe s;
     int32_t p;
     int32_t b;
@@ -602,7 +618,8 @@ void plfx_match_drop(plfx_match *m, const plfx_rows *src, int32_t y)
         for (b = 0; b < m->blocks; b++) {
             size_t at = (size_t)(p * m->blocks + b) * (size_t)m->cells;
             block_cost(m, p, &s, b, m->item);
-            plfx_k_update(m->col + at, m->sum, m->zero, m->item, m->zero, m->cells, 0);
+            u.col = m->col + at;
+            plfx_k_update(&u);
         }
     }
 }

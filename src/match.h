@@ -53,7 +53,8 @@ typedef struct plfx_match {
     uint16_t *ring;       /* [window][pairs][blocks][labels][lanes] when COSTS */
     uint16_t *item, *gone; /* [labels][lanes] costs of one block */
     uint16_t *zero;        /* [labels][lanes] */
-    int16_t *sum, *order;  /* [labels][lanes], sum with a label before and behind */
+    int16_t *sum, *order;  /* [labels][lanes], sum with a label before and behind,
+                            then plfx_lead */
     int16_t *code;         /* [blocks*lanes] winners, striped */
     uint16_t *conf;
     int16_t *code_row; /* [nx] winners by lens */

@@ -113,6 +113,14 @@ static void write_slopes(const plfx_match *m, int32_t *restrict slope)
     int32_t end = m->plan->nx - r;
     int32_t i;
 
+    if (part == 0) { /* labels whole steps of 2^-16 apart: nothing to divide */
+        for (i = r; i < end; i++) {
+            uint32_t t = (uint32_t)(16 * (code[i] >> 5) + (code[i] & 31) - 8);
+            uint32_t s = base + whole * t;
+            slope[i] = no[i] ? PLFX_SLOPE_NONE : (int32_t)s;
+        }
+        return;
+    }
     for (i = r; i < end; i++) {
         uint32_t t = (uint32_t)(16 * (code[i] >> 5) + (code[i] & 31) - 8);
         uint32_t q = (uint32_t)(((uint64_t)(part * t + half) * factor) >> 36);

@@ -1,0 +1,463 @@
+/* SPDX-License-Identifier: MIT
+ * Row kernels that src/simd/ may stand in for: striping, a pair at whole samples, the
+ * winners.  Plain loops over lanes that compilers turn into vector code; two labels a
+ * turn halve the steps of pointers. */
+#include "lanes.h"
+#include "fix.h"
+
+#include <string.h>
+
+#if PLFX_KERNELS_C
+
+#if PLFX_LANES >= 8
+/* Sixteen blocks into runs of sixteen samples a lane.  Written out lane by lane, so
+ * that compilers see a transpose of vectors. */
+#define RUN        16
+#define FROM_1(i)  run[(i)*RUN + b] = in[b * PLFX_LANES + (i)];
+#define FROM_4(i)  FROM_1(i) FROM_1((i) + 1) FROM_1((i) + 2) FROM_1((i) + 3)
+#define FROM_8(i)  FROM_4(i) FROM_4((i) + 4)
+#define FROM_16(i) FROM_8(i) FROM_8((i) + 8)
+#define INTO_1(i)  out[b * PLFX_LANES + (i)] = lin[(i)*blocks + b];
+#define INTO_4(i)  INTO_1(i) INTO_1((i) + 1) INTO_1((i) + 2) INTO_1((i) + 3)
+#define INTO_8(i)  INTO_4(i) INTO_4((i) + 4)
+#define INTO_16(i) INTO_8(i) INTO_8((i) + 8)
+#if PLFX_LANES == 8
+#define FROM_ALL FROM_8(0)
+#define INTO_ALL INTO_8(0)
+#elif PLFX_LANES == 16
+#define FROM_ALL FROM_16(0)
+#define INTO_ALL INTO_16(0)
+#else
+#define FROM_ALL FROM_16(0) FROM_16(16)
+#define INTO_ALL INTO_16(0) INTO_16(16)
+#endif
+
+void plfx_k_stripe(const int16_t *restrict lin, int32_t blocks, int16_t *restrict out)
+{
+    int32_t b;
+
+    for (b = 0; b < blocks; b++) {
+        INTO_ALL
+    }
+}
+
+static void turn(const int16_t *restrict in, int16_t *restrict run)
+{
+    int32_t b;
+
+    PLFX_LANE_LOOP(b, RUN)
+    {
+        FROM_ALL
+    }
+}
+
+static void unstripe_run(const int16_t *in, int32_t blocks, int32_t b, int32_t n,
+                         int16_t *out)
+{
+    int16_t run[PLFX_LANES * RUN];
+    int32_t i;
+
+    turn(in + b * PLFX_LANES, run);
+    for (i = 0; i < PLFX_LANES; i++) {
+        int32_t at = i * blocks + b;
+        if (at + RUN <= n) {
+            memcpy(out + at, run + i * RUN, RUN * sizeof(int16_t));
+        } else if (at < n) {
+            memcpy(out + at, run + i * RUN, (size_t)(n - at) * sizeof(int16_t));
+        }
+    }
+}
+
+/* Blocks by runs, the last one over blocks that are done already; the first block
+ * left. */
+static int32_t unstripe_runs(const int16_t *in, int32_t blocks, int32_t n, int16_t *out)
+{
+    int32_t b;
+
+    if (blocks < RUN) {
+        return 0;
+    }
+    for (b = 0; b + RUN <= blocks; b += RUN) {
+        unstripe_run(in, blocks, b, n, out);
+    }
+    if (b < blocks) {
+        unstripe_run(in, blocks, blocks - RUN, n, out);
+    }
+    return blocks;
+}
+#else
+void plfx_k_stripe(const int16_t *restrict lin, int32_t blocks, int16_t *restrict out)
+{
+    int32_t b;
+    int32_t i;
+
+    for (b = 0; b < blocks; b++) {
+        LANES(i)
+        {
+            out[b * PLFX_LANES + i] = lin[i * blocks + b];
+        }
+    }
+}
+
+static int32_t unstripe_runs(const int16_t *in, int32_t blocks, int32_t n, int16_t *out)
+{
+    (void)in;
+    (void)blocks;
+    (void)n;
+    (void)out;
+    return 0;
+}
+#endif
+
+void plfx_k_unstripe(const int16_t *restrict in, int32_t blocks, int32_t n,
+                     int16_t *restrict out)
+{
+    int32_t first = unstripe_runs(in, blocks, n, out);
+    int32_t i;
+    int32_t b;
+
+    for (i = 0; i < PLFX_LANES; i++) {
+        int32_t end = plfx_min_i32(blocks, n - i * blocks);
+        for (b = first; b < end; b++) {
+            out[i * blocks + b] = in[b * PLFX_LANES + i];
+        }
+    }
+}
+
+static inline void
+label_exact(const plfx_pair_block *b, uint16_t *restrict col, int16_t *restrict sum,
+            const uint16_t *restrict leave, const int16_t *restrict right,
+            const int16_t *restrict gone, const int16_t *restrict here,
+            const int16_t *restrict there, int16_t *restrict low, int32_t l)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        uint16_t c = (uint16_t)(col[i] + plfx_apart(here[i], right[i]) -
+                                plfx_apart(there[i], gone[i]));
+        int16_t s = (int16_t)(sum[i] + c - leave[i]);
+        col[i] = c;
+        sum[i] = s;
+        plfx_lead_meet(b->lead, low, i, s, l);
+    }
+}
+
+static void pair_exact(const plfx_pair_block *b, uint16_t *restrict col,
+                       int16_t *restrict sum, const uint16_t *restrict leave)
+{
+    const int16_t *restrict right = b->right;
+    const int16_t *restrict gone = b->right_gone;
+    int16_t here[PLFX_LANES];
+    int16_t there[PLFX_LANES];
+    int16_t low[PLFX_LANES];
+    int32_t l;
+
+    memcpy(here, b->left, sizeof here);
+    memcpy(there, b->left_gone, sizeof there);
+    plfx_lead_start(b->lead, low);
+    for (l = 0; PLFX_LANES > 1 && l + 1 < b->labels; l += 2) {
+        label_exact(b, col, sum, leave, right, gone, here, there, low, l);
+        label_exact(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
+                    right + b->step, gone + b->gone_step, here, there, low, l + 1);
+        col += 2 * PLFX_LANES;
+        sum += 2 * PLFX_LANES;
+        leave += 2 * PLFX_LANES;
+        right += 2 * b->step;
+        gone += 2 * b->gone_step;
+    }
+    for (; l < b->labels; l++) {
+        label_exact(b, col, sum, leave, right, gone, here, there, low, l);
+        col += PLFX_LANES;
+        sum += PLFX_LANES;
+        leave += PLFX_LANES;
+        right += b->step;
+        gone += b->gone_step;
+    }
+    plfx_lead_end(b->lead, low);
+}
+
+static inline void
+label_scaled(const plfx_pair_block *b, uint16_t *restrict col, int16_t *restrict sum,
+             const uint16_t *restrict leave, const int16_t *restrict right,
+             const int16_t *restrict gone, const int16_t *restrict here,
+             const int16_t *restrict there, const uint16_t *restrict m,
+             int16_t *restrict low, int32_t l)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        uint16_t c = (uint16_t)(col[i] + plfx_apart(here[i], right[i]) -
+                                plfx_apart(there[i], gone[i]));
+        int16_t s =
+            (int16_t)(sum[i] + plfx_scaled(c, m[i]) - plfx_scaled(leave[i], m[i]));
+        col[i] = c;
+        sum[i] = s;
+        plfx_lead_meet(b->lead, low, i, s, l);
+    }
+}
+
+static void pair_scaled(const plfx_pair_block *b, uint16_t *restrict col,
+                        int16_t *restrict sum, const uint16_t *restrict leave)
+{
+    const int16_t *restrict right = b->right;
+    const int16_t *restrict gone = b->right_gone;
+    int16_t here[PLFX_LANES];
+    int16_t there[PLFX_LANES];
+    uint16_t m[PLFX_LANES];
+    int16_t low[PLFX_LANES];
+    int32_t l;
+
+    plfx_factor_of(m, b->s2);
+    memcpy(here, b->left, sizeof here);
+    memcpy(there, b->left_gone, sizeof there);
+    plfx_lead_start(b->lead, low);
+    for (l = 0; PLFX_LANES > 1 && l + 1 < b->labels; l += 2) {
+        label_scaled(b, col, sum, leave, right, gone, here, there, m, low, l);
+        label_scaled(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
+                     right + b->step, gone + b->gone_step, here, there, m, low, l + 1);
+        col += 2 * PLFX_LANES;
+        sum += 2 * PLFX_LANES;
+        leave += 2 * PLFX_LANES;
+        right += 2 * b->step;
+        gone += 2 * b->gone_step;
+    }
+    for (; l < b->labels; l++) {
+        label_scaled(b, col, sum, leave, right, gone, here, there, m, low, l);
+        col += PLFX_LANES;
+        sum += PLFX_LANES;
+        leave += PLFX_LANES;
+        right += b->step;
+        gone += b->gone_step;
+    }
+    plfx_lead_end(b->lead, low);
+}
+
+/* Windows so large that single differences are scaled too: 12 bits, 17 lenses and
+ * more. */
+static void pair_coarse(const plfx_pair_block *b, uint16_t *restrict col,
+                        int16_t *restrict sum, const uint16_t *restrict leave)
+{
+    const int16_t *restrict right = b->right;
+    const int16_t *restrict gone = b->right_gone;
+    const int16_t *restrict here = b->left;
+    const int16_t *restrict there = b->left_gone;
+    uint16_t k[PLFX_LANES];
+    uint16_t m[PLFX_LANES];
+    int16_t low[PLFX_LANES];
+    int32_t l;
+    int32_t i;
+
+    plfx_factor_of(k, b->s1);
+    plfx_factor_of(m, b->s2);
+    plfx_lead_start(b->lead, low);
+    for (l = 0; l < b->labels; l++) {
+        LANES(i)
+        {
+            uint16_t in = plfx_scaled((uint16_t)plfx_apart(here[i], right[i]), k[i]);
+            uint16_t out = plfx_scaled((uint16_t)plfx_apart(there[i], gone[i]), k[i]);
+            uint16_t c = (uint16_t)(col[i] + in - out);
+            int16_t s =
+                (int16_t)(sum[i] + plfx_scaled(c, m[i]) - plfx_scaled(leave[i], m[i]));
+            col[i] = c;
+            sum[i] = s;
+            plfx_lead_meet(b->lead, low, i, s, l);
+        }
+        col += PLFX_LANES;
+        sum += PLFX_LANES;
+        leave += PLFX_LANES;
+        right += b->step;
+        gone += b->gone_step;
+    }
+    plfx_lead_end(b->lead, low);
+}
+
+void plfx_k_pair(const plfx_pair_block *b)
+{
+    if (b->s2 == 0) { /* then s1 is 0 as well */
+        pair_exact(b, b->col, b->sum, b->leave);
+    } else if (b->s1 == 0) {
+        pair_scaled(b, b->col, b->sum, b->leave);
+    } else {
+        pair_coarse(b, b->col, b->sum, b->leave);
+    }
+}
+
+/* Where the least sum of each lane stands: the first of its cells, counted in order
+ * from the last, and how many there are. */
+#if PLFX_LANES > 1
+static void find(const int16_t *restrict sum, const int16_t *restrict least,
+                 const int16_t *restrict order, int32_t labels, int16_t *restrict first,
+                 int16_t *restrict count)
+{
+    int16_t b[PLFX_LANES];
+    int16_t k[PLFX_LANES];
+    int16_t n[PLFX_LANES];
+    int32_t l;
+    int32_t i;
+
+    LANES(i)
+    {
+        b[i] = least[i];
+        k[i] = 0;
+        n[i] = 0;
+    }
+    for (l = 0; l + 1 < labels; l += 2) {
+        LANES(i)
+        {
+            int16_t m = (int16_t)(-(sum[i] == b[i]));
+            int16_t w = (int16_t)(-(sum[i + PLFX_LANES] == b[i]));
+            int16_t t = (int16_t)(m & order[i]);
+            int16_t u = (int16_t)(w & order[i + PLFX_LANES]);
+            t = t > u ? t : u;
+            k[i] = k[i] > t ? k[i] : t;
+            n[i] = (int16_t)(n[i] + m + w);
+        }
+        sum += 2 * PLFX_LANES;
+        order += 2 * PLFX_LANES;
+    }
+    if (l < labels) {
+        LANES(i)
+        {
+            int16_t m = (int16_t)(-(sum[i] == b[i]));
+            int16_t t = (int16_t)(m & order[i]);
+            k[i] = k[i] > t ? k[i] : t;
+            n[i] = (int16_t)(n[i] + m);
+        }
+    }
+    memcpy(first, k, sizeof k);
+    memcpy(count, n, sizeof n);
+}
+#endif
+
+/* Winner of each lane and the second best.  A new best makes the least of the labels
+ * before its neighbour the second; a label right behind the best is its neighbour and
+ * does not count.  `before` is the least of all labels but the last one; `won` is -1
+ * where the last label became the best. */
+static void race_second(const int16_t *restrict sum, const int16_t *restrict order,
+                        int32_t labels, int16_t *restrict best, int16_t *restrict at,
+                        int16_t *restrict second)
+{
+    int16_t b[PLFX_LANES];
+    int16_t k[PLFX_LANES];
+    int16_t before[PLFX_LANES];
+    int16_t other[PLFX_LANES];
+    int16_t won[PLFX_LANES];
+    int32_t l;
+    int32_t i;
+
+    memcpy(b, sum, sizeof b);
+    memcpy(k, order, sizeof k);
+    LANES(i)
+    {
+        before[i] = INT16_MAX;
+        other[i] = INT16_MAX;
+        won[i] = -1;
+    }
+    for (l = 1; l < labels; l++) {
+        sum += PLFX_LANES;
+        order += PLFX_LANES;
+        LANES(i)
+        {
+            int16_t v = sum[i];
+            int16_t t = order[i];
+            int16_t m = (int16_t)(-(v < b[i]));
+            int16_t floor = (int16_t)(won[i] ^ INT16_MIN); /* greatest if beside */
+            int16_t c = v > floor ? v : floor;
+            int16_t u = other[i] < c ? other[i] : c;
+            other[i] = (int16_t)((m & before[i]) | (~m & u));
+            before[i] = b[i];
+            b[i] = v < b[i] ? v : b[i];
+            k[i] = (int16_t)((m & t) | (~m & k[i]));
+            won[i] = m;
+        }
+    }
+    memcpy(best, b, sizeof b);
+    memcpy(at, k, sizeof k);
+    memcpy(second, other, sizeof other);
+}
+
+static void look_beside(const int16_t *restrict sum, plfx_won *restrict w)
+{
+    int32_t i;
+
+    LANES(i) /* one by one: vectors of single loads cost more */
+    {
+        const int16_t *s = sum + w->at[i];
+        w->next[i] = s[PLFX_LANES];
+        w->before[i] = s[-PLFX_LANES];
+    }
+}
+
+/* The winners by what the slide has left. */
+#if PLFX_LANES > 1
+static void by_lead(const int16_t *restrict sum, const plfx_lead *restrict lead,
+                    const int16_t *restrict order, int32_t labels, plfx_won *restrict w)
+{
+    int16_t first[PLFX_LANES];
+    int16_t count[PLFX_LANES];
+    int16_t cells = order[0];
+    int32_t i;
+
+    find(sum, lead->least, order, labels, first, count);
+    LANES(i)
+    {
+        w->best[i] = lead->least[i];
+        w->at[i] = (int16_t)(cells - first[i]);
+    }
+    look_beside(sum, w);
+    LANES(i) /* a neighbour behind that is as good makes no tie */
+    {
+        int16_t beside =
+            (int16_t)(-(w->next[i] == w->best[i]) & -(first[i] > PLFX_LANES));
+        int16_t others = (int16_t)(count[i] + 1 - beside);
+        w->tie[i] = (int16_t)(-(others < 0));
+    }
+}
+#else
+static void by_lead(const int16_t *restrict sum, const plfx_lead *restrict lead,
+                    const int16_t *restrict order, int32_t labels, plfx_won *restrict w)
+{
+    (void)order;
+    (void)labels;
+    w->best[0] = lead->least[0];
+    w->at[0] = lead->label;
+    w->tie[0] = lead->tie;
+    look_beside(sum, w);
+}
+#endif
+
+static void by_race(const int16_t *restrict sum, const int16_t *restrict order,
+                    int32_t labels, const plfx_winners *out, plfx_won *restrict w)
+{
+    int16_t rest[PLFX_LANES];
+    int16_t cells = order[0];
+    int32_t i;
+
+    race_second(sum, order, labels, w->best, w->at, rest);
+    LANES(i)
+    {
+        w->at[i] = (int16_t)(cells - w->at[i]);
+        w->tie[i] = (int16_t)(-(rest[i] == w->best[i]));
+    }
+    plfx_won_rate(w->best, rest, out->floor_cost, out->conf);
+    look_beside(sum, w);
+}
+
+void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
+                   int32_t labels, int32_t fit, const plfx_winners *out)
+{
+    plfx_won w;
+
+    if (out->conf) {
+        by_race(sum, order, labels, out, &w);
+    } else {
+        by_lead(sum, lead, order, labels, &w);
+    }
+    plfx_won_fit(&w, labels, fit, out->code);
+}
+
+#else
+typedef int plfx_pair_elsewhere; /* a file is never empty */
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT
+ * Arithmetic of one lane in 16 bits, as the vector units of all targets have it. */
+#ifndef PLENOFIX_SRC_LANES_H
+#define PLENOFIX_SRC_LANES_H
+
+#include "kernels.h"
+
+#include <string.h>
+
+#define LANES(i) PLFX_LANE_LOOP(i, PLFX_LANES)
+
+static inline int16_t plfx_apart(int16_t a, int16_t b)
+{
+    int16_t hi = a > b ? a : b;
+    int16_t lo = a > b ? b : a;
+
+    return (int16_t)(hi - lo);
+}
+
+/* c >> s for 1 <= s <= 15 by a product: variable shifts exist for wider lanes only. */
+static inline uint16_t plfx_scaled(uint16_t c, uint16_t factor)
+{
+    return (uint16_t)(((uint32_t)c * factor) >> 16);
+}
+
+/* The factor of a shift on every lane: a product with one number for all lanes would be
+ * taken for a wide one. */
+static inline void plfx_factor_of(uint16_t *m, int32_t shift)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        m[i] = (uint16_t)(65536u >> shift);
+    }
+}
+
+/* Sum s of label l on lane i against the least so far, low[lane]. */
+#if PLFX_LANES > 1
+static inline void plfx_lead_meet(plfx_lead *lead, int16_t *low, int32_t i, int16_t s,
+                                  int32_t l)
+{
+    (void)lead;
+    (void)l;
+    low[i] = s < low[i] ? s : low[i];
+}
+#else
+static inline void plfx_lead_meet(plfx_lead *lead, int16_t *low, int32_t i, int16_t s,
+                                  int32_t l)
+{
+    if (s <= low[i]) { /* seldom, a few times among the labels of a lens */
+        if (s < low[i]) {
+            lead->label = (int16_t)l;
+            lead->tie = 0;
+            low[i] = s;
+        } else if (l > lead->label + 1) {
+            lead->tie = -1;
+        }
+    }
+}
+#endif
+
+static inline void plfx_lead_start(plfx_lead *lead, int16_t *low)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        low[i] = INT16_MAX;
+    }
+#if PLFX_LANES == 1
+    lead->label = 0;
+    lead->tie = 0;
+#else
+    (void)lead;
+#endif
+}
+
+static inline void plfx_lead_end(plfx_lead *lead, const int16_t *low)
+{
+    memcpy(lead->least, low, sizeof lead->least);
+}
+
+/* One bit of num/den, num < den < 2^15: where 2*num - den is negative it is the greater
+ * number without its sign.  p gathers -1 for every bit that is 0. */
+#define PLFX_FIT_STEP(p, num, den)                                                     \
+    twice = (uint16_t)((num) + (num));                                                 \
+    less = (uint16_t)(twice - (den));                                                  \
+    num = less < twice ? less : twice;                                                 \
+    p = (int16_t)((p) + (p) - ((num) == twice))
+
+/* Vertex from the rises a (next label) and b (previous), as in select.c; vee is -1 for
+ * the equiangular fit, 0 for the parabola.  -8 .. 8 sixteenths. */
+static inline int16_t plfx_lane_vertex_q4(uint16_t a, uint16_t b, int16_t vee)
+{
+    int16_t big = (int16_t)(-((int16_t)((uint16_t)(a | b) >> 14) > 0));
+    int16_t x = (int16_t)((big & (a >> 2)) | (~big & a)); /* under 2^14 */
+    int16_t y = (int16_t)((big & (b >> 2)) | (~big & b));
+    int16_t hi = x > y ? x : y;
+    int16_t lo = x > y ? y : x;
+    uint16_t den = (uint16_t)(hi + (lo & (int16_t)~vee));
+    uint16_t num = (uint16_t)(hi - lo); /* den or less */
+    int16_t sign = (int16_t)(-(x > y));
+    int16_t whole = (int16_t)(-(num == den));
+    int16_t some = (int16_t)(-((int16_t)den > 0));
+    int16_t q = 0;
+    uint16_t twice;
+    uint16_t less;
+
+    num = (uint16_t)(num & ~whole);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den); /* q + 15 sixteenths, and a half: (q + 16) >> 1 */
+    q = (int16_t)((q + 16) >> 1);
+    q = (int16_t)(((whole & 8) | (~whole & q)) & some);
+    return (int16_t)((q ^ sign) - sign);
+}
+
+/* (second - best)/(second + floor_cost) in steps of 2^-8, both first cut to a
+ * quarter. */
+static inline uint16_t plfx_lane_margin(uint16_t best, uint16_t second,
+                                        uint16_t floor_cost)
+{
+    uint16_t low = (uint16_t)((uint16_t)((second & 3u) + (floor_cost & 3u)) >> 2);
+    uint16_t num = (uint16_t)((uint16_t)(second - best) >> 2);
+    uint16_t den = (uint16_t)((second >> 2) + (floor_cost >> 2) + low);
+    int16_t whole = (int16_t)(-(num >= den)); /* then equal: 255 */
+    int16_t q = 0;
+    uint16_t twice;
+    uint16_t less;
+
+    num = (uint16_t)(num & ~whole);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    PLFX_FIT_STEP(q, num, den);
+    q = (int16_t)((q + 255) | (whole & 255));
+    return (uint16_t)(q << 8);
+}
+
+/* A winner of each lane: cell, least sum and those beside it. */
+typedef struct plfx_won {
+    int16_t at[PLFX_LANES], best[PLFX_LANES], next[PLFX_LANES], before[PLFX_LANES];
+    int16_t tie[PLFX_LANES]; /* -1: another label is as good */
+} plfx_won;
+
+/* Codes of the winners. */
+static inline void plfx_won_fit(const plfx_won *restrict w, int32_t labels, int32_t fit,
+                                int16_t *restrict code)
+{
+    int16_t last = (int16_t)(labels - 1);
+    int16_t vee = (int16_t)-fit;
+    int32_t i;
+
+    LANES(i)
+    {
+        int16_t l = (int16_t)(w->at[i] >> PLFX_LANE_BITS);
+        int16_t inner = (int16_t)(-(l > 0) & -(l < last));
+        int16_t f = plfx_lane_vertex_q4((uint16_t)(w->next[i] - w->best[i]),
+                                        (uint16_t)(w->before[i] - w->best[i]), vee);
+        int16_t mark = (int16_t)(w->tie[i] & INT16_MIN);
+        code[i] = (int16_t)((int16_t)(32 * l) + (int16_t)(f & inner) + 8 + mark);
+    }
+}
+
+/* Confidences of the winners over the second best sums. */
+static inline void plfx_won_rate(const int16_t *restrict best,
+                                 const int16_t *restrict rest, uint16_t floor_cost,
+                                 uint16_t *restrict conf)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        conf[i] = plfx_lane_margin((uint16_t)(best[i] + PLFX_BIAS),
+                                   (uint16_t)(rest[i] + PLFX_BIAS), floor_cost);
+    }
+}
+
+#endif
