@@ -9,7 +9,7 @@ done
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 for f in src/cl/prelude.cl src/cl/params.h src/fix.h src/scalar.h src/gradient_scalar.h \
-    src/cl/kernels.cl; do
+    src/depth_scalar.h src/cl/kernels.cl; do
     grep -v '^#include' $f
 done >"$work/all.cl"
 [ $# -eq 0 ] || cat "$1" >>"$work/all.cl" # a planted violation

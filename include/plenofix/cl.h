@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * The dense path on an OpenCL 1.2 device, bit-equal to the core: raw frame or views ->
- * slope, confidence and flags.  Library plenofix_cl, above the core and never included
- * by it.
+ * slope, confidence, flags and depth.  Library plenofix_cl, above the core and never
+ * included by it.
  *
  * A context belongs to one plan.  All device memory is taken by plfx_cl_open(); a frame
  * allocates nothing.  Two frames may be in flight: submit the next one before the last
@@ -10,6 +10,7 @@
 #ifndef PLENOFIX_CL_H
 #define PLENOFIX_CL_H
 
+#include "plenofix/depth.h"
 #include "plenofix/plan.h"
 
 #ifdef __cplusplus
@@ -17,7 +18,8 @@ extern "C" {
 #endif
 
 #define PLFX_CL_SLOTS   2
-#define PLFX_CL_KERNELS 12
+#define PLFX_CL_KERNELS 13
+#define PLFX_CL_PLANES  4
 #define PLFX_CL_BUFFERS 24
 
 typedef struct plfx_cl_info { /* what a device says of itself */
@@ -31,6 +33,7 @@ typedef struct plfx_cl_input { /* what a frame is; all 0 for ready-made views */
     uint8_t format, bits;      /* of raw frames: plfx_raw_format, significant bits */
     uint8_t white;             /* use the table's GAIN section */
     plfx_tone tone;            /* bits as in the plan */
+    const plfx_optics *optics; /* NULL: no depth */
 } plfx_cl_input;
 
 /* Complete for declaration only; the fields belong to the library. */
@@ -40,12 +43,12 @@ typedef struct plfx_cl {
     void *kernel[PLFX_CL_KERNELS];
     void *buffer[PLFX_CL_BUFFERS];
     void *uploaded[PLFX_CL_SLOTS], *worked[PLFX_CL_SLOTS];
-    void *input[PLFX_CL_SLOTS], *output[PLFX_CL_SLOTS][3];
+    void *input[PLFX_CL_SLOTS], *output[PLFX_CL_SLOTS][PLFX_CL_PLANES];
     plfx_plan plan;
     size_t input_bytes;
     uint64_t bytes; /* of device memory taken */
-    int32_t params[40];
-    int32_t raw_w, raw_h, from_raw, format;
+    int32_t params[44];
+    int32_t raw_w, raw_h, from_raw, format, depth;
     size_t group_x, group_y;
     int32_t head, count; /* slot of the oldest frame in flight, frames in flight */
     int32_t timing;      /* 1: wait for every kernel and add up its time */
@@ -56,6 +59,11 @@ typedef struct plfx_cl {
 /* Devices of all platforms; 0 when there is none. */
 int32_t plfx_cl_devices(void);
 
+/* Why there is none, into message[n].  PLFX_OK when there is one (an empty message),
+ * PLFX_E_DEVICE: no driver, or a driver that lists no device, as PoCL does where it
+ * cannot write its kernel cache.  PLFX_E_ARG. */
+plfx_status plfx_cl_look(char *message, size_t n) PLFX_MUST_USE;
+
 /* PLFX_OK, PLFX_E_ARG (no such device), PLFX_E_DEVICE. */
 plfx_status plfx_cl_describe(int32_t device, plfx_cl_info *info) PLFX_MUST_USE;
 
@@ -63,8 +71,8 @@ plfx_status plfx_cl_describe(int32_t device, plfx_cl_info *info) PLFX_MUST_USE;
 uint64_t plfx_cl_bytes(const plfx_plan *plan, const plfx_cl_input *input);
 
 /* Build the kernels, take the memory, upload table and plan.  On failure nothing is
- * held and cl->message says why.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE (not enough device
- * memory), PLFX_E_DEVICE. */
+ * held and cl->message says why, with the first line of what the kernels' compiler
+ * said.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE (not enough device memory), PLFX_E_DEVICE. */
 plfx_status plfx_cl_open(plfx_cl *cl, int32_t device, const plfx_plan *plan,
                          const plfx_cl_input *input) PLFX_MUST_USE;
 
@@ -77,6 +85,11 @@ plfx_status plfx_cl_submit(plfx_cl *cl, const void *bytes, size_t n) PLFX_MUST_U
 /* Finish the oldest frame into `out`; sigma is PLFX_SIGMA_NONE.  PLFX_OK, PLFX_E_ARG,
  * PLFX_E_STATE (nothing in flight), PLFX_E_DEVICE. */
 plfx_status plfx_cl_fetch(plfx_cl *cl, const plfx_map *out) PLFX_MUST_USE;
+
+/* The same with the depth of every lens in micrometres, as plfx_depth_row() gives it:
+ * um[y * out->stride + x].  PLFX_E_ARG also when the context has no optics. */
+plfx_status plfx_cl_fetch_depth(plfx_cl *cl, const plfx_map *out,
+                                uint32_t *um) PLFX_MUST_USE;
 
 /* Give everything back.  Harmless on a zeroed or failed context. */
 void plfx_cl_close(plfx_cl *cl);

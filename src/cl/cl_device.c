@@ -39,6 +39,31 @@ int32_t plfx_cl_devices(void)
     return (int32_t)sum;
 }
 
+plfx_status plfx_cl_look(char *message, size_t n)
+{
+    cl_platform_id ids[PLATFORMS];
+    char name[128];
+
+    if (!message || n == 0) {
+        return PLFX_E_ARG;
+    }
+    message[0] = 0;
+    if (plfx_cl_devices() > 0) {
+        return PLFX_OK;
+    }
+    if (platforms(ids) == 0) {
+        plfx_cl_append(message, n, "no OpenCL driver here");
+        return PLFX_E_DEVICE;
+    }
+    memset(name, 0, sizeof name);
+    (void)clGetPlatformInfo(ids[0], CL_PLATFORM_NAME, sizeof name - 1, name, NULL);
+    plfx_cl_append(message, n, name);
+    plfx_cl_append(message, n,
+                   " is here but lists no device; can it write its kernel cache? "
+                   "(POCL_CACHE_DIR, or ~/.cache/pocl)");
+    return PLFX_E_DEVICE;
+}
+
 int32_t plfx_cl_device_at(int32_t n, cl_device_id *device, cl_platform_id *platform)
 {
     cl_platform_id ids[PLATFORMS];

@@ -10,9 +10,10 @@ const char *const plfx_cl_kernel_name[K_COUNT] = {
     "sad_items",   "sad_columns",       "sad_winners",
     "ref_columns", "zncc_columns",      "zncc_winners",
     "fuse",        "gradient_products", "gradient_map",
+    "depth",
 };
 
-static void append(char *to, size_t room, const char *text)
+void plfx_cl_append(char *to, size_t room, const char *text)
 {
     size_t at = strlen(to);
     size_t n = strlen(text);
@@ -39,19 +40,54 @@ static void append_number(char *to, size_t room, cl_int v)
     if (v < 0) {
         *--p = '-';
     }
-    append(to, room, p);
+    plfx_cl_append(to, room, p);
 }
 
 plfx_status plfx_cl_fail(plfx_cl *cl, const char *what, cl_int error)
 {
     cl->message[0] = 0;
-    append(cl->message, sizeof cl->message, what);
-    append(cl->message, sizeof cl->message, ": OpenCL error ");
+    plfx_cl_append(cl->message, sizeof cl->message, what);
+    plfx_cl_append(cl->message, sizeof cl->message, ": OpenCL error ");
     append_number(cl->message, sizeof cl->message, error);
+    return PLFX_E_DEVICE;
+}
+
+/* While opening, what cannot be had is a size. */
+static plfx_status fail_open(plfx_cl *cl, const char *what, cl_int error)
+{
+    plfx_status status = plfx_cl_fail(cl, what, error);
+
     return error == CL_MEM_OBJECT_ALLOCATION_FAILURE || error == CL_OUT_OF_RESOURCES ||
-                   error == CL_INVALID_BUFFER_SIZE
+                   error == CL_OUT_OF_HOST_MEMORY || error == CL_INVALID_BUFFER_SIZE
                ? PLFX_E_SIZE
-               : PLFX_E_DEVICE;
+               : status;
+}
+
+/* The first line of what the kernels' compiler said, before the error's number. */
+static plfx_status fail_build(plfx_cl *cl, cl_device_id device, cl_int error)
+{
+    static const char what[] = "cannot build the kernels";
+    char log[4096];
+    char *end;
+
+    memset(log, 0, sizeof log);
+    if (!cl->program ||
+        clGetProgramBuildInfo(cl->program, device, CL_PROGRAM_BUILD_LOG, sizeof log - 1,
+                              log, NULL) != CL_SUCCESS) {
+        log[0] = 0; /* a log that is longer is not given in part */
+    }
+    end = strchr(log, '\n');
+    if (end) {
+        *end = 0;
+    }
+    (void)plfx_cl_fail(cl, what, error);
+    plfx_cl_append(cl->message, sizeof cl->message,
+                   " (can the driver write its kernel cache?)");
+    if (log[0]) {
+        plfx_cl_append(cl->message, sizeof cl->message, ": ");
+        plfx_cl_append(cl->message, sizeof cl->message, log);
+    }
+    return PLFX_E_DEVICE;
 }
 
 static int32_t apart(const int32_t *d_q8, int32_t n)
@@ -99,6 +135,15 @@ static void plan_params(int32_t *p, const plfx_plan *plan)
     p[CL_PAD] = plfx_cl_pad(plan);
     p[CL_STRIDE] = plan->nx + 2 * p[CL_PAD] + 8;
     p[CL_WIDE] = (plan->nx + 7) / 8 * 8;
+}
+
+static void depth_params(int32_t *p, const plfx_optics *o)
+{
+    uint64_t gain = (uint64_t)o->gain_q24;
+
+    p[CL_INVERSE] = o->inv0_q24;
+    p[CL_LOW] = (int32_t)(uint32_t)(gain & 0xffffffffu);
+    p[CL_HIGH] = (int32_t)(uint32_t)(gain >> 32);
 }
 
 static void raw_params(int32_t *p, const plfx_cl_input *in)
@@ -162,16 +207,17 @@ static cl_int take_one(plfx_cl *cl, void **to, uint64_t bytes, cl_mem_flags flag
 
 static cl_int take_slots(plfx_cl *cl, const plfx_cl_sizes *s)
 {
-    static const uint32_t plane[3] = {4, 2, 1}; /* slope, confidence, flags */
+    /* slope, confidence, flags, depth */
+    const uint32_t plane[PLFX_CL_PLANES] = {4, 2, 1, cl->depth ? 4u : 0u};
     cl_int e = CL_SUCCESS;
     int32_t k;
     int32_t m;
 
     for (k = 0; k < PLFX_CL_SLOTS && e == CL_SUCCESS; k++) {
         e = take_one(cl, &cl->input[k], s->input, CL_MEM_READ_ONLY);
-        for (m = 0; m < 3 && e == CL_SUCCESS; m++) {
+        for (m = 0; m < PLFX_CL_PLANES && e == CL_SUCCESS; m++) {
             e = take_one(cl, &cl->output[k][m], plane[m] * s->lenses,
-                         CL_MEM_WRITE_ONLY);
+                         CL_MEM_READ_WRITE);
         }
     }
     return e;
@@ -201,19 +247,19 @@ static plfx_status take_all(plfx_cl *cl, cl_device_id device, const plfx_cl_size
     cl_int e = take_queues(cl, device);
 
     if (e != CL_SUCCESS) {
-        return plfx_cl_fail(cl, "cannot open the device", e);
+        return fail_open(cl, "cannot open the device", e);
     }
     e = build(cl, device);
     if (e != CL_SUCCESS) {
-        return plfx_cl_fail(cl, "cannot build the kernels", e);
+        return fail_build(cl, device, e);
     }
     e = take_buffers(cl, s);
     if (e != CL_SUCCESS) {
-        return plfx_cl_fail(cl, "cannot take device memory", e);
+        return fail_open(cl, "cannot take device memory", e);
     }
     e = plfx_cl_upload_plan(cl);
     e = e == CL_SUCCESS && input->lut ? plfx_cl_upload_table(cl, input) : e;
-    return e == CL_SUCCESS ? PLFX_OK : plfx_cl_fail(cl, "cannot upload the plan", e);
+    return e == CL_SUCCESS ? PLFX_OK : fail_open(cl, "cannot upload the plan", e);
 }
 
 static void start(plfx_cl *cl, const plfx_plan *plan, const plfx_cl_input *input)
@@ -222,6 +268,10 @@ static void start(plfx_cl *cl, const plfx_plan *plan, const plfx_cl_input *input
     cl->plan = *plan;
     plan_params(cl->params, plan);
     cl->from_raw = input->lut != NULL;
+    cl->depth = input->optics != NULL;
+    if (input->optics) {
+        depth_params(cl->params, input->optics);
+    }
     if (input->lut) {
         raw_params(cl->params, input);
         cl->raw_w = input->lut->sensor_w;
@@ -245,12 +295,15 @@ plfx_status plfx_cl_open(plfx_cl *cl, int32_t device, const plfx_plan *plan,
     start(cl, plan, input);
     status = plfx_cl_describe(device, &info);
     if (status != PLFX_OK || !plfx_cl_device_at(device, &id, &platform)) {
-        append(cl->message, sizeof cl->message, "no such OpenCL device");
+        if (plfx_cl_look(cl->message, sizeof cl->message) == PLFX_OK) {
+            plfx_cl_append(cl->message, sizeof cl->message, "no such OpenCL device");
+        }
         return status == PLFX_OK ? PLFX_E_ARG : status;
     }
     cl->bytes = plfx_cl_bytes(plan, input);
     if (cl->bytes > info.memory) {
-        append(cl->message, sizeof cl->message, "the device has too little memory");
+        plfx_cl_append(cl->message, sizeof cl->message,
+                       "the device has too little memory");
         return PLFX_E_SIZE;
     }
     choose_group(cl, info.group);
@@ -295,7 +348,7 @@ static void drop_slot(plfx_cl *cl, int32_t k)
     drop_event(cl->uploaded[k]);
     drop_event(cl->worked[k]);
     drop(&cl->input[k]);
-    for (m = 0; m < 3; m++) {
+    for (m = 0; m < PLFX_CL_PLANES; m++) {
         drop(&cl->output[k][m]);
     }
 }

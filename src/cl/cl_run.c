@@ -205,6 +205,15 @@ static cl_int gradient(plfx_cl *cl, int32_t slot, void *views)
     return e ? e : launch(cl, K_GRADIENT_MAP, cl->plan.nx, cl->plan.ny, 1, 0, NULL);
 }
 
+static cl_int depth(plfx_cl *cl, int32_t slot)
+{
+    void *const in[] = {cl->buffer[B_PARAMS], cl->output[slot][0], cl->output[slot][3]};
+    cl_int e = cl->depth ? args(cl, K_DEPTH, in, 3) : CL_SUCCESS;
+
+    return e || !cl->depth ? e
+                           : launch(cl, K_DEPTH, cl->plan.nx, cl->plan.ny, 1, 0, NULL);
+}
+
 /* All kernels of one frame; the last one's end is cl->worked[slot]. */
 static cl_int work(plfx_cl *cl, int32_t slot)
 {
@@ -219,6 +228,7 @@ static cl_int work(plfx_cl *cl, int32_t slot)
         e = cl->plan.cfg.method == PLFX_METHOD_GRADIENT ? gradient(cl, slot, views)
                                                         : match(cl, slot, views);
     }
+    e = e ? e : depth(cl, slot);
     e = e ? e : clEnqueueMarkerWithWaitList(cl->queue_work, 0, NULL, &done);
     cl->worked[slot] = done;
     return e ? e : clFlush(cl->queue_work);
@@ -296,11 +306,16 @@ static void no_sigma(const plfx_map *out)
 
 plfx_status plfx_cl_fetch(plfx_cl *cl, const plfx_map *out)
 {
+    return plfx_cl_fetch_depth(cl, out, NULL);
+}
+
+plfx_status plfx_cl_fetch_depth(plfx_cl *cl, const plfx_map *out, uint32_t *um)
+{
     int32_t slot;
     cl_int e;
 
     if (!cl || !cl->context || !out || !out->slope_q16 || out->w != cl->plan.nx ||
-        out->h != cl->plan.ny || out->stride < out->w) {
+        out->h != cl->plan.ny || out->stride < out->w || (um && !cl->depth)) {
         return PLFX_E_ARG;
     }
     if (cl->count == 0) {
@@ -310,6 +325,7 @@ plfx_status plfx_cl_fetch(plfx_cl *cl, const plfx_map *out)
     e = download(cl, slot, 0, out->slope_q16, 4, out->stride);
     e = e ? e : download(cl, slot, 1, out->conf_u16, 2, out->stride);
     e = e ? e : download(cl, slot, 2, out->flags, 1, out->stride);
+    e = e ? e : download(cl, slot, 3, um, 4, out->stride);
     forget(&cl->uploaded[slot]);
     forget(&cl->worked[slot]);
     cl->head = (slot + 1) % PLFX_CL_SLOTS;

@@ -77,8 +77,9 @@ static int32_t tone_ok(const plfx_plan *plan, const plfx_tone *t)
 
 int32_t plfx_cl_input_ok(const plfx_plan *plan, const plfx_cl_input *input)
 {
-    if (!plan || !input) {
-        return 0;
+    if (!plan || !input || plan->nx < 1 || plan->ny < 1 || plan->cfg.n < 2 ||
+        plan->cfg.n > PLFX_VIEWS_MAX || plan->cfg.ref >= plan->cfg.n) {
+        return 0; /* no plan of plfx_plan_init() */
     }
     return !input->lut ||
            (input->lut->lattice.nx == plan->nx && input->lut->lattice.ny == plan->ny &&
@@ -98,7 +99,7 @@ uint64_t plfx_cl_bytes(const plfx_plan *plan, const plfx_cl_input *input)
         return 0;
     }
     s = plfx_cl_sizes_of(plan, input);
-    sum = PLFX_CL_SLOTS * (s.input + 7u * s.lenses);
+    sum = PLFX_CL_SLOTS * (s.input + (input->optics ? 11u : 7u) * s.lenses);
     for (k = 0; k < B_COUNT; k++) {
         sum += s.buffer[k];
     }

@@ -37,7 +37,7 @@ enum {
     B_COUNT
 };
 PLFX_STATIC_ASSERT(B_COUNT <= PLFX_CL_BUFFERS, buffers_fit);
-PLFX_STATIC_ASSERT(CL_PARAMS <= 40, params_fit);
+PLFX_STATIC_ASSERT(CL_PARAMS <= 44, params_fit);
 
 enum {
     K_UNPACK,
@@ -52,6 +52,7 @@ enum {
     K_FUSE,
     K_GRADIENT_PRODUCTS,
     K_GRADIENT_MAP,
+    K_DEPTH,
     K_COUNT
 };
 extern const char *const plfx_cl_kernel_name[K_COUNT];
@@ -71,8 +72,11 @@ int32_t plfx_cl_pad(const plfx_plan *plan);
 /* 1 when the pair fits together. */
 int32_t plfx_cl_input_ok(const plfx_plan *plan, const plfx_cl_input *input);
 
-/* Note what failed in cl->message; returns the status for an OpenCL error. */
+/* Note what failed in cl->message; PLFX_E_DEVICE. */
 plfx_status plfx_cl_fail(plfx_cl *cl, const char *what, cl_int error);
+
+/* Append to a text in room bytes; what does not fit is cut. */
+void plfx_cl_append(char *to, size_t room, const char *text);
 
 /* The n-th device over all platforms; 0 when there is none. */
 int32_t plfx_cl_device_at(int32_t n, cl_device_id *device, cl_platform_id *platform);

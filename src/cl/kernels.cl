@@ -861,3 +861,26 @@ __kernel void gradient_map(__constant int32_t *P, __global const plfx_products *
     conf[cell(P, 0, y, x)] = (ushort)(s == SLOPE_NONE ? 0u : c);
     flags[cell(P, 0, y, x)] = (uchar)f;
 }
+
+/* ---- depth -------------------------------------------------------------------- */
+
+/* Global size (nx, ny): micrometres of every slope, 0 where there is none. */
+__kernel void depth(__constant int32_t *P, __global const int32_t *slope,
+                    __global uint32_t *um)
+{
+    int32_t x = (int32_t)get_global_id(0);
+    int32_t y = (int32_t)get_global_id(1);
+    int64_t gain =
+        (int64_t)((uint64_t)(uint32_t)P[CL_HIGH] << 32 | (uint64_t)(uint32_t)P[CL_LOW]);
+    int32_t s;
+    int32_t inverse;
+
+    if (x >= P[CL_NX] || y >= P[CL_NY]) {
+        return;
+    }
+    s = slope[cell(P, 0, y, x)];
+    inverse = plfx_inverse_q24(P[CL_INVERSE], gain, s);
+    um[cell(P, 0, y, x)] = s == SLOPE_NONE ? 0u
+                           : inverse <= 0  ? 0xffffffffu
+                                           : plfx_micrometres(inverse);
+}

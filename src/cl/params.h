@@ -41,6 +41,9 @@
 #define CL_PAD      35 /* columns of replicated border on either side of a view row */
 #define CL_STRIDE   36 /* elements of a padded view row */
 #define CL_WIDE     37 /* elements of a row of costs: lenses rounded up to 8 */
-#define CL_PARAMS   40
+#define CL_INVERSE  38 /* of depth: offset, low and high word of the gain */
+#define CL_LOW      39
+#define CL_HIGH     40
+#define CL_PARAMS   44
 
 #endif

@@ -3,6 +3,7 @@
  * usage: test_cl [CASES | tiny]   (default 24; tiny: a few small plans, for slow
  * implementations) */
 #include "../unit/suite.h"
+#include "../golden/scene.h"
 #include "../ref/ref.h"
 #include "plenofix/cl.h"
 
@@ -272,6 +273,70 @@ static void raw_frames_equal_the_core(void **state)
     }
 }
 
+/* Slope, confidence, flags and depth of the golden scene, from its raw frame. */
+static void golden_case(int32_t lattice, const plfx_cfg *cfg)
+{
+    static const plfx_optics optics = {16777216, -123456789};
+    static uint32_t um[SCENE_NX * SCENE_NY];
+    static uint32_t row[SCENE_NX];
+    static plfx_cl cl;
+    plfx_raw raw = scene_raw();
+    plfx_cl_input input;
+    plfx_plan plan;
+    plfx_lut lut;
+    plfx_views v;
+    plfx_map g;
+    plfx_map w;
+    int32_t y;
+
+    assert_true(scene_make(lattice, &lut) > 0);
+    memset(&input, 0, sizeof input);
+    input.lut = &lut;
+    input.format = raw.format;
+    input.bits = raw.bits;
+    input.white = 1;
+    input.tone = scene_tone();
+    input.optics = &optics;
+    assert_int_equal(plfx_plan_init(&plan, cfg, &lut, SCENE_NX, SCENE_NY), PLFX_OK);
+    g = map_of(&got, &plan);
+    w = map_of(&want, &plan);
+    if (plfx_cl_open(&cl, 0, &plan, &input) != PLFX_OK) {
+        fail_msg("open: %s", cl.message);
+    }
+    assert_int_equal(plfx_cl_submit(&cl, raw.bytes, raw.size), PLFX_OK);
+    assert_int_equal(plfx_cl_fetch_depth(&cl, &g, um), PLFX_OK);
+    plfx_cl_close(&cl);
+    assert_int_equal(scene_views(&lut, &v), PLFX_OK);
+    assert_int_equal(core_map(&plan, &v, &w), PLFX_OK);
+    same(&plan, 0);
+    for (y = 0; y < SCENE_NY; y++) {
+        plfx_depth_row(&optics, want.slope + y * SCENE_NX, SCENE_NX, row);
+        assert_memory_equal(um + y * SCENE_NX, row, sizeof row);
+    }
+}
+
+/* Every dense stage that test_golden.c holds on every target. */
+static void golden_scenes_equal_the_core(void **state)
+{
+    static const uint8_t list[][4] = {
+        {PLFX_METHOD_SWEEP, PLFX_COST_SAD, PLFX_FIT_VEE, 0},
+        {PLFX_METHOD_SWEEP, PLFX_COST_SAD, PLFX_FIT_PARABOLA, 0},
+        {PLFX_METHOD_PAIRS, PLFX_COST_SAD, PLFX_FIT_VEE, 0},
+        {PLFX_METHOD_PAIRS, PLFX_COST_ZNCC, PLFX_FIT_PARABOLA, 0},
+        {PLFX_METHOD_PAIRS, PLFX_COST_ZNCC, PLFX_FIT_PARABOLA, 1},
+        {PLFX_METHOD_GRADIENT, PLFX_COST_SAD, PLFX_FIT_PARABOLA, 0}};
+    size_t k;
+
+    (void)state;
+    for (k = 0; k < sizeof list / sizeof list[0]; k++) {
+        plfx_cfg cfg = scene_cfg(list[k][0], list[k][1], list[k][2]);
+        cfg.fuse = list[k][3] ? PLFX_FUSE_CORRELATION : PLFX_FUSE_MEDIAN;
+        golden_case(PLFX_LATTICE_SQUARE, &cfg);
+        golden_case(PLFX_LATTICE_HEX, &cfg);
+    }
+    printf("# 12 golden maps and their depth, 0 differing words\n");
+}
+
 /* Two frames in flight come back in order, each its own. */
 static void frames_in_flight(void **state)
 {
@@ -368,6 +433,7 @@ int main(int argc, char **argv)
     static const struct CMUnitTest tests[] = {
         cmocka_unit_test(views_equal_the_core),
         cmocka_unit_test(raw_frames_equal_the_core),
+        cmocka_unit_test(golden_scenes_equal_the_core),
         cmocka_unit_test(frames_in_flight),
         cmocka_unit_test(refusals),
     };
