@@ -83,6 +83,10 @@ static int check_request(const request *r, job *j)
     if (r->paths.depth_mm != NULL && r->optics == NULL) {
         return plft_fail(PLFT_USAGE, "--depth-mm: want --optics O.json too");
     }
+    if (r->preset != NOT_GIVEN && r->device != NULL && strcmp(r->device, "cpu") != 0) {
+        return plft_fail(PLFT_USAGE, "--device %s: presets run on the core alone",
+                         r->device);
+    }
     j->found = r->slopes == NULL;
     if (r->slopes != NULL && parse_slopes(r->slopes, j) != 0) {
         return PLFT_USAGE;

@@ -17,6 +17,7 @@ static const plft_usage usage = {
 static int print_opencl(void)
 {
     int32_t n = plfx_cl_devices();
+    char why[256];
     int32_t k;
 
     for (k = 0; k < n; k++) {
@@ -28,10 +29,10 @@ static int print_opencl(void)
                info.platform, (unsigned)info.units,
                (unsigned long long)(info.memory >> 20));
     }
-    if (n == 0) {
-        printf(
-            "no OpenCL device: install a driver (package pocl-opencl-icd runs on any "
-            "CPU)\n");
+    if (plfx_cl_look(why, sizeof why) != PLFX_OK) {
+        printf("%s; package pocl-opencl-icd is a driver that runs on any CPU: install "
+               "it\n",
+               why);
     }
     return 0;
 }
@@ -42,6 +43,12 @@ static int print_opencl(void)
     return 0;
 }
 #endif
+
+int plft_print_devices(void)
+{
+    printf("cpu      the core, bit for bit the same answers\n");
+    return print_opencl();
+}
 
 int plft_cmd_devices(int argc, char **argv)
 {
@@ -54,6 +61,5 @@ int plft_cmd_devices(int argc, char **argv)
     if (status || helped) {
         return status;
     }
-    printf("cpu      the core, bit for bit the same answers\n");
-    return print_opencl();
+    return plft_print_devices();
 }

@@ -13,7 +13,7 @@
 
 typedef struct request {
     const char *centres, *c_array;
-    int all, json;
+    int all, json, devices;
 } request;
 
 typedef struct facts {
@@ -219,6 +219,8 @@ int plft_cmd_info(int argc, char **argv)
         {"--c-array", PLFT_TEXT, &r.c_array, "T.c", 0, 0,
          "write the table as C source"},
         {"--json", PLFT_FLAG, &r.json, NULL, 0, 0, "print as JSON"},
+        {"--devices", PLFT_FLAG, &r.devices, NULL, 0, 0,
+         "instead of a table: what depth --device can name"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
 
     memset(&r, 0, sizeof r);
@@ -226,5 +228,9 @@ int plft_cmd_info(int argc, char **argv)
     if (rc != 0 || helped) {
         return rc;
     }
-    return n == 1 ? run(&r, operand[0]) : plft_fail(PLFT_USAGE, "want CAM.plut");
+    if (r.devices && n == 0) {
+        return plft_print_devices();
+    }
+    return n == 1 && !r.devices ? run(&r, operand[0])
+                                : plft_fail(PLFT_USAGE, "want CAM.plut, or --devices");
 }

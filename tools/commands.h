@@ -28,4 +28,7 @@ plft_command plft_cmd_select_rois;
 plft_command plft_cmd_simulate;
 plft_command plft_cmd_views;
 
+/* The lines of `devices`, for `info --devices` too. */
+int plft_print_devices(void);
+
 #endif

@@ -19,6 +19,14 @@ refused() { # status, words, command ...
         { echo "$*: status $status, said: $(cat err)"; exit 1; }
 }
 refused 2 surplus "$plenofix" devices surplus
+[ "$("$plenofix" info --devices)" = "$("$plenofix" devices)" ]
+refused 2 'want CAM.plut' "$plenofix" info
+refused 2 'want CAM.plut' "$plenofix" info t.plut --devices
+# A kernel cache that cannot be written: PoCL lists no device, and that is said.
+if "$plenofix" devices | grep -q 'Portable Computing Language'; then
+    POCL_CACHE_DIR=/dev/null/x "$plenofix" devices >out
+    ! grep -q '^cl:' out && grep -q 'can it write its kernel cache' out
+fi
 # No driver: the list ends with what to do, not with an error.
 OCL_ICD_VENDORS=/nonexistent "$plenofix" devices | grep -q 'install'
 
@@ -39,6 +47,10 @@ if ! "$plenofix" devices | grep -q '^cl:0'; then
     echo "no OpenCL device here: maps not compared"
     exit 0
 fi
+refused 2 'presets run on the core' depth -o d.pfm --device cl --preset stream
+if "$plenofix" devices | grep -q 'Portable Computing Language'; then
+    POCL_CACHE_DIR=/dev/null/x refused 1 'kernel cache' depth -o d.pfm --device cl
+fi
 refused 2 'there are' depth -o d.pfm --device cl:99
 for method in binocular plenoptic sweep gradient; do
     depth --method $method -o cpu.pfm --confidence cpu.c.pfm --flags cpu.png >/dev/null
@@ -48,3 +60,16 @@ for method in binocular plenoptic sweep gradient; do
     cmp cpu.c.pfm cl.c.pfm
     cmp cpu.png cl.png
 done
+
+# A white frame is divided out on the host, folders of views go as they are: the same.
+depth --white s/white.png -o cpu.pfm >/dev/null
+depth --white s/white.png -o cl.pfm --device cl >/dev/null
+cmp cpu.pfm cl.pfm
+# The camera's frames, live.
+"$plenofix" live s/scene.png --bits 12 --lut t.plut --slopes 0:0.2:11 --method sweep \
+    --pfm cpu.pfm >/dev/null
+"$plenofix" live s/scene.png --bits 12 --lut t.plut --slopes 0:0.2:11 --method sweep \
+    --pfm cl.pfm --device cl >/dev/null
+cmp cpu.pfm cl.pfm
+refused 2 'wants a --method' "$plenofix" live s/scene.png --lut t.plut --slopes 0:0.2:11 \
+    --device cl

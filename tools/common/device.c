@@ -35,11 +35,13 @@ static int on_core(const plfx_plan *plan, const plfx_views *views, const plfx_ma
 static int known(int device)
 {
     int n = (int)plfx_cl_devices();
+    char why[256];
 
-    if (n == 0) {
+    if (plfx_cl_look(why, sizeof why) != PLFX_OK) {
         return plft_fail(PLFT_DATA,
-                         "--device cl: no OpenCL device here; install a driver "
-                         "(pocl-opencl-icd runs on any CPU)");
+                         "--device cl: %s; pocl-opencl-icd is a driver that runs on "
+                         "any CPU",
+                         why);
     }
     if (device >= n) {
         return plft_fail(PLFT_USAGE,
@@ -49,29 +51,52 @@ static int known(int device)
     return 0;
 }
 
-static int on_opencl(int device, const plfx_plan *plan, const plfx_views *views,
-                     const plfx_map *map)
+static int once(int device, const plfx_plan *plan, const plfx_cl_input *input,
+                const void *bytes, size_t n, const plfx_map *map)
 {
-    size_t n = 2 * (size_t)views->nx * (size_t)views->ny * (size_t)views->n;
     plfx_cl *cl = calloc(1, sizeof *cl);
-    plfx_cl_input input;
     plfx_status status;
     int rc = 0;
 
     if (cl == NULL) {
         return plft_fail(PLFT_DATA, "out of memory");
     }
-    memset(&input, 0, sizeof input);
-    status = plfx_cl_open(cl, device, plan, &input);
-    status = status == PLFX_OK ? plfx_cl_submit(cl, views->px, n) : status;
+    status = plfx_cl_open(cl, device, plan, input);
+    status = status == PLFX_OK ? plfx_cl_submit(cl, bytes, n) : status;
     status = status == PLFX_OK ? plfx_cl_fetch(cl, map) : status;
     if (status != PLFX_OK) {
-        rc = plft_fail(PLFT_DATA, "--device cl:%d: %s (status %d)", device, cl->message,
+        rc = plft_fail(PLFT_DATA, "--device cl:%d: %s (status %d)", device,
+                       cl->message[0] ? cl->message : "frame and plan do not match",
                        (int)status);
     }
     plfx_cl_close(cl);
     free(cl);
     return rc;
+}
+
+static int on_opencl(int device, const plfx_plan *plan, const plfx_views *views,
+                     const plfx_map *map)
+{
+    size_t n = 2 * (size_t)views->nx * (size_t)views->ny * (size_t)views->n;
+    plfx_cl_input input;
+
+    memset(&input, 0, sizeof input);
+    return once(device, plan, &input, views->px, n, map);
+}
+
+int plft_device_raw(int device, const plfx_plan *plan, const plft_device_frame *f,
+                    const plfx_map *map)
+{
+    plfx_cl_input input;
+
+    memset(&input, 0, sizeof input);
+    input.lut = f->lut;
+    input.format = PLFX_RAW_U16;
+    input.bits = (uint8_t)f->bits;
+    input.white = (uint8_t)f->white;
+    input.tone = f->tone;
+    return once(device, plan, &input, f->px,
+                plfx_raw_bytes(PLFX_RAW_U16, f->lut->sensor_w, f->lut->sensor_h), map);
 }
 #else
 static int known(int device)
@@ -86,6 +111,15 @@ static int on_opencl(int device, const plfx_plan *plan, const plfx_views *views,
 {
     (void)plan;
     (void)views;
+    (void)map;
+    return known(device);
+}
+
+int plft_device_raw(int device, const plfx_plan *plan, const plft_device_frame *f,
+                    const plfx_map *map)
+{
+    (void)plan;
+    (void)f;
     (void)map;
     return known(device);
 }

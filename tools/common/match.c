@@ -74,18 +74,44 @@ int plft_plan(plfx_plan *plan, const plfx_cfg *cfg, const plft_field *field)
     }
 }
 
+/* May the device take the raw frame?  A white frame given at run time is divided out
+ * of the views, on the host. */
+static int from_raw(const plfx_plan *plan, const plft_field *field)
+{
+    return field->device != PLFT_CPU && field->ready == NULL &&
+           field->white.px == NULL && field->tone.bits == plan->cfg.bits;
+}
+
+static int match_raw(const plfx_plan *plan, const plft_field *field,
+                     const plfx_map *map)
+{
+    plft_device_frame f;
+
+    f.lut = &field->table.lut;
+    f.px = field->frame.px;
+    f.bits = field->frame.bits;
+    f.tone = field->tone;
+    f.white = field->use_gain;
+    return plft_device_raw(field->device, plan, &f, map);
+}
+
 int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *map,
                plft_times *times)
 {
-    double t0 = plft_cpu_s(), t1;
+    double t0 = plft_cpu_s(), t1 = t0;
     plfx_views views;
-    int rc = plft_field_views(field, plan->cfg.at, plan->cfg.n, &views);
+    int rc;
 
-    t1 = plft_cpu_s();
-    times->extract += t1 - t0;
-    if (rc == 0) {
-        rc = plft_device_match(field->device, plan, &views, map);
-        free(views.px);
+    if (from_raw(plan, field)) {
+        rc = match_raw(plan, field, map);
+    } else {
+        rc = plft_field_views(field, plan->cfg.at, plan->cfg.n, &views);
+        t1 = plft_cpu_s();
+        times->extract += t1 - t0;
+        if (rc == 0) {
+            rc = plft_device_match(field->device, plan, &views, map);
+            free(views.px);
+        }
     }
     times->match += plft_cpu_s() - t1;
     return rc;
