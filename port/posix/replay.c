@@ -99,7 +99,7 @@ static plfx_status replay_start(void *context)
     memset(&r->count, 0, sizeof r->count);
     memset(r->taken, 0, sizeof r->taken);
     r->next = 0;
-    r->sequence = 0;
+    r->rounds = r->last_number = 0;
     r->last_ns = 0;
     r->running = 1;
     return PLFX_OK;
@@ -224,6 +224,8 @@ static void account(plfx_replay *r, plfx_camera_frame *f)
         r->count.back++;
     }
     r->last_ns = f->time_ns;
+    r->last_number = f->sequence;
+    f->sequence += r->rounds;
     r->count.good++;
     r->taken[f->slot] = (uint8_t)(1 + r->next % 255u);
 }
@@ -240,6 +242,8 @@ static plfx_status replay_acquire(void *context, uint32_t timeout_ms,
     }
     if (r->next == r->total && r->loop) {
         r->next = 0;
+        r->rounds += r->last_number + 1u; /* numbers never repeat */
+        r->last_ns = 0;
     }
     if (r->next == r->total) {
         return PLFX_E_DEVICE;

@@ -32,7 +32,8 @@ typedef struct plfx_replay {
     uint64_t began_ns;    /* clock when frame `first` was due */
     uint64_t first_ns;    /* its recorded time */
     uint64_t last_ns;     /* time of the frame before */
-    uint32_t sequence;
+    uint32_t last_number; /* of the frame before, in the file */
+    uint32_t rounds;      /* added to it since the file began anew */
 } plfx_replay;
 
 /* A camera that plays `path`.  Set bare, bands, loop and speed_q8 before

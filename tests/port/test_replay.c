@@ -244,6 +244,7 @@ static void bare_files_play_too(void **state)
         assert_int_equal(r.camera.acquire(&r, 100, &f), PLFX_OK);
         assert_int_equal(f.raw.bytes[PAYLOAD - 1], 5 + k % 2);
         assert_int_equal(f.time_ns, k % 2 * 50000000);
+        assert_int_equal(f.sequence, k); /* goes on where the file begins anew */
         assert_int_equal(r.camera.release(&r, &f), PLFX_OK);
     }
     r.camera.close(&r);
