@@ -50,6 +50,7 @@ typedef struct plfx_cl {
     int32_t params[44];
     int32_t raw_w, raw_h, from_raw, format, depth;
     size_t group_x, group_y;
+    uint32_t table_crc;  /* of the table uploaded */
     int32_t head, count; /* slot of the oldest frame in flight, frames in flight */
     int32_t timing;      /* 1: wait for every kernel and add up its time */
     uint64_t kernel_ns[PLFX_CL_KERNELS];
@@ -75,6 +76,13 @@ uint64_t plfx_cl_bytes(const plfx_plan *plan, const plfx_cl_input *input);
  * said.  PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE (not enough device memory), PLFX_E_DEVICE. */
 plfx_status plfx_cl_open(plfx_cl *cl, int32_t device, const plfx_plan *plan,
                          const plfx_cl_input *input) PLFX_MUST_USE;
+
+/* The same context for another plan and input that need the same memory: other slopes,
+ * limits or tone, the same sizes and table.  Nothing is built and nothing is taken.
+ * PLFX_OK, PLFX_E_ARG (a frame of another kind: open another context), PLFX_E_STATE
+ * (frames in flight), PLFX_E_DEVICE. */
+plfx_status plfx_cl_retune(plfx_cl *cl, const plfx_plan *plan,
+                           const plfx_cl_input *input) PLFX_MUST_USE;
 
 /* Start a frame: `bytes` is a raw frame in the input's format, or a views block
  * (uint16, banded).  The memory may be reused when the call returns.  PLFX_OK,

@@ -262,9 +262,10 @@ static plfx_status take_all(plfx_cl *cl, cl_device_id device, const plfx_cl_size
     return e == CL_SUCCESS ? PLFX_OK : fail_open(cl, "cannot upload the plan", e);
 }
 
-static void start(plfx_cl *cl, const plfx_plan *plan, const plfx_cl_input *input)
+/* What plan and input are, in numbers. */
+static void settle(plfx_cl *cl, const plfx_plan *plan, const plfx_cl_input *input)
 {
-    memset(cl, 0, sizeof *cl);
+    memset(cl->params, 0, sizeof cl->params);
     cl->plan = *plan;
     plan_params(cl->params, plan);
     cl->from_raw = input->lut != NULL;
@@ -277,7 +278,48 @@ static void start(plfx_cl *cl, const plfx_plan *plan, const plfx_cl_input *input
         cl->raw_w = input->lut->sensor_w;
         cl->raw_h = input->lut->sensor_h;
         cl->format = input->format;
+        cl->table_crc = input->lut->crc;
     }
+}
+
+static int32_t same_table(const plfx_cl *cl, const plfx_cl_input *in)
+{
+    return !in->lut ||
+           (in->lut->crc == cl->table_crc && in->lut->sensor_w == cl->raw_w &&
+            in->lut->sensor_h == cl->raw_h && in->format == cl->format &&
+            (in->white != 0) == cl->params[CL_WHITE]);
+}
+
+/* Would plan and input take the buffers that are there? */
+static int32_t same_memory(const plfx_cl *cl, const plfx_plan *plan,
+                           const plfx_cl_input *in)
+{
+    const plfx_cfg *c = &plan->cfg;
+    const plfx_cfg *was = &cl->plan.cfg;
+
+    return plan->nx == cl->plan.nx && plan->ny == cl->plan.ny && c->n == was->n &&
+           c->labels == was->labels && c->method == was->method &&
+           c->cost == was->cost && plfx_cl_pad(plan) == cl->params[CL_PAD] &&
+           cl->from_raw == (in->lut != NULL) && cl->depth == (in->optics != NULL) &&
+           same_table(cl, in);
+}
+
+plfx_status plfx_cl_retune(plfx_cl *cl, const plfx_plan *plan,
+                           const plfx_cl_input *input)
+{
+    cl_int e;
+
+    if (!cl || !cl->context || !plfx_cl_input_ok(plan, input) ||
+        !same_memory(cl, plan, input)) {
+        return PLFX_E_ARG;
+    }
+    if (cl->count != 0) {
+        return PLFX_E_STATE;
+    }
+    settle(cl, plan, input);
+    e = plfx_cl_upload_plan(cl);
+    e = e == CL_SUCCESS && input->lut ? plfx_cl_upload_table(cl, input) : e;
+    return e == CL_SUCCESS ? PLFX_OK : plfx_cl_fail(cl, "cannot upload the plan", e);
 }
 
 plfx_status plfx_cl_open(plfx_cl *cl, int32_t device, const plfx_plan *plan,
@@ -292,7 +334,8 @@ plfx_status plfx_cl_open(plfx_cl *cl, int32_t device, const plfx_plan *plan,
     if (!cl || !plfx_cl_input_ok(plan, input)) {
         return PLFX_E_ARG;
     }
-    start(cl, plan, input);
+    memset(cl, 0, sizeof *cl);
+    settle(cl, plan, input);
     status = plfx_cl_describe(device, &info);
     if (status != PLFX_OK || !plfx_cl_device_at(device, &id, &platform)) {
         if (plfx_cl_look(cl->message, sizeof cl->message) == PLFX_OK) {

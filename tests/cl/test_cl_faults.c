@@ -8,6 +8,8 @@
 #include "plenofix/plenofix.h"
 #include "plenofix/cl.h"
 
+#include "params.h"
+
 #include <CL/cl.h>
 
 #define NX 20
@@ -243,6 +245,41 @@ static void small_devices_do(void **state)
     }
 }
 
+/* Another tone and range in the same context; another kind of frame is refused. */
+static void contexts_are_retuned(void **state)
+{
+    plfx_cl_input in;
+    plfx_plan other;
+    int32_t held;
+
+    (void)state;
+    prepare(PLFX_METHOD_SWEEP, PLFX_COST_SAD);
+    in = input_of();
+    assert_int_equal(plfx_cl_retune(&cl, &plan, &in), PLFX_E_ARG); /* not open */
+    assert_int_equal(plfx_cl_open(&cl, 0, &plan, &in), PLFX_OK);
+    held = fake.held;
+    in.tone.gain_q12 = 5000;
+    other = plan;
+    other.cfg.texture = 77;
+    assert_int_equal(plfx_cl_retune(&cl, &other, &in), PLFX_OK);
+    assert_int_equal(fake.held, held);
+    assert_int_equal(cl.params[CL_TEXTURE], 77);
+    assert_int_equal(cl.params[CL_GAIN], 5000);
+    assert_int_equal(plfx_cl_submit(&cl, frame, sizeof frame), PLFX_OK);
+    assert_int_equal(plfx_cl_retune(&cl, &plan, &in), PLFX_E_STATE);
+    assert_int_equal(plfx_cl_fetch(&cl, &map), PLFX_OK);
+    in.optics = NULL;
+    assert_int_equal(plfx_cl_retune(&cl, &plan, &in), PLFX_E_ARG);
+    in = input_of();
+    in.format = PLFX_RAW_MONO12P;
+    assert_int_equal(plfx_cl_retune(&cl, &plan, &in), PLFX_E_ARG);
+    other.cfg.labels++;
+    in = input_of();
+    assert_int_equal(plfx_cl_retune(&cl, &other, &in), PLFX_E_ARG);
+    plfx_cl_close(&cl);
+    assert_int_equal(fake.held, 0);
+}
+
 static void plans_and_frames_must_fit(void **state)
 {
     plfx_cl_input in = input_of();
@@ -275,9 +312,13 @@ static void plans_and_frames_must_fit(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(every_call_may_fail),       cmocka_unit_test(memory_has_a_limit),
-    cmocka_unit_test(kernels_may_not_build),     cmocka_unit_test(device_may_be_lost),
-    cmocka_unit_test(absence_is_explained),      cmocka_unit_test(small_devices_do),
+    cmocka_unit_test(every_call_may_fail),
+    cmocka_unit_test(memory_has_a_limit),
+    cmocka_unit_test(kernels_may_not_build),
+    cmocka_unit_test(device_may_be_lost),
+    cmocka_unit_test(absence_is_explained),
+    cmocka_unit_test(small_devices_do),
+    cmocka_unit_test(contexts_are_retuned),
     cmocka_unit_test(plans_and_frames_must_fit),
 };
 

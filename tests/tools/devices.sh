@@ -65,11 +65,13 @@ done
 depth --white s/white.png -o cpu.pfm >/dev/null
 depth --white s/white.png -o cl.pfm --device cl >/dev/null
 cmp cpu.pfm cl.pfm
-# The camera's frames, live.
-"$plenofix" live s/scene.png --bits 12 --lut t.plut --slopes 0:0.2:11 --method sweep \
-    --pfm cpu.pfm >/dev/null
-"$plenofix" live s/scene.png --bits 12 --lut t.plut --slopes 0:0.2:11 --method sweep \
-    --pfm cl.pfm --device cl >/dev/null
-cmp cpu.pfm cl.pfm
+# A camera's frames, live, one unlike the other: one context, the tone of each.
+"$plenofix" record s/white.png s/scene.png --bits 12 -o f.plxr >/dev/null
+live() { "$plenofix" live f.plxr --speed 0 --lut t.plut --slopes 0:0.2:11 "$@" >/dev/null; }
+for method in sweep plenoptic; do
+    live --method $method --pfm cpu.pfm
+    live --method $method --pfm cl.pfm --device cl
+    cmp cpu.pfm cl.pfm
+done
 refused 2 'wants a --method' "$plenofix" live s/scene.png --lut t.plut --slopes 0:0.2:11 \
     --device cl

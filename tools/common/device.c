@@ -51,27 +51,50 @@ static int known(int device)
     return 0;
 }
 
+static plfx_cl *kept; /* the context of the call before, for frames like its own */
+static int kept_device;
+
+static void forget(void)
+{
+    plfx_cl_close(kept);
+    free(kept);
+    kept = NULL;
+}
+
+/* A context for plan and input: the one that is there, or another. */
+static plfx_status context(int device, const plfx_plan *plan,
+                           const plfx_cl_input *input)
+{
+    if (kept != NULL && kept_device == device &&
+        plfx_cl_retune(kept, plan, input) == PLFX_OK) {
+        return PLFX_OK;
+    }
+    if (kept == NULL) {
+        kept = calloc(1, sizeof *kept);
+        if (kept == NULL || atexit(forget) != 0) {
+            return PLFX_E_SIZE;
+        }
+    }
+    plfx_cl_close(kept);
+    kept_device = device;
+    return plfx_cl_open(kept, device, plan, input);
+}
+
 static int once(int device, const plfx_plan *plan, const plfx_cl_input *input,
                 const void *bytes, size_t n, const plfx_map *map)
 {
-    plfx_cl *cl = calloc(1, sizeof *cl);
-    plfx_status status;
-    int rc = 0;
+    plfx_status status = context(device, plan, input);
 
-    if (cl == NULL) {
-        return plft_fail(PLFT_DATA, "out of memory");
+    status = status == PLFX_OK ? plfx_cl_submit(kept, bytes, n) : status;
+    status = status == PLFX_OK ? plfx_cl_fetch(kept, map) : status;
+    if (status == PLFX_OK) {
+        return 0;
     }
-    status = plfx_cl_open(cl, device, plan, input);
-    status = status == PLFX_OK ? plfx_cl_submit(cl, bytes, n) : status;
-    status = status == PLFX_OK ? plfx_cl_fetch(cl, map) : status;
-    if (status != PLFX_OK) {
-        rc = plft_fail(PLFT_DATA, "--device cl:%d: %s (status %d)", device,
-                       cl->message[0] ? cl->message : "frame and plan do not match",
-                       (int)status);
-    }
-    plfx_cl_close(cl);
-    free(cl);
-    return rc;
+    return plft_fail(PLFT_DATA, "--device cl:%d: %s (status %d)", device,
+                     kept == NULL       ? "out of memory"
+                     : kept->message[0] ? kept->message
+                                        : "frame and plan do not match",
+                     (int)status);
 }
 
 static int on_opencl(int device, const plfx_plan *plan, const plfx_views *views,
