@@ -18,7 +18,7 @@ MODULES = ('mc videodev videobuf2-common videobuf2-v4l2 rc-core cec v4l2-dv-timi
            'v4l2-tpg videobuf2-memops videobuf2-dma-contig videobuf2-vmalloc').split()
 VIVID = ('n_devs=1 node_types=0x101 num_inputs=1 input_types=0x03 num_outputs=1 '
          'output_types=0x01')
-LIMIT = 55  # seconds; 6 to 13 on an idle machine
+LIMIT = 180  # seconds; 5 to 13 on an idle machine
 SETUP = 'tools/setup ci, or tests/port/guest_fetch.sh'
 
 

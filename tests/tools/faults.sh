@@ -52,7 +52,7 @@ unplugged() {
     run 0,gone=6 record gige --rate 20 -o gone.plxr
     expect 1 'the camera is gone'
     kept=$(sed -n 's/.*, \([0-9]*\) in all/\1/p' $out)
-    [ "$kept" -ge 3 ] || exit 1
+    [ "$kept" -ge 1 ] || exit 1
     [ "$("$plenofix" replay gone.plxr --speed 0 --list | grep -c ' frame ')" = "$kept" ]
 }
 unplugged_live() {

@@ -24,7 +24,7 @@ tail -c +$((4096 + 64 + 1)) f.plxr | head -c $((2 * pixels)) >f.raw
 soak() { # COMMAND...: resident KiB four times a second, while it runs
     rm -f pid rss
     # shellcheck disable=SC2016
-    "$serve" "$xml" f.raw "$size" 0x01100005 0.0005 \
+    "$serve" "$xml" f.raw "$size" 0x01100005 0.01 \
         bash -c 'echo $$ >pid; exec "$@"' soak "$plenofix" "$@" >out 2>err &
     local server=$! until=$((SECONDS + seconds)) pid status=0
     while [ ! -s pid ]; do
