@@ -238,6 +238,22 @@ static plfx_status take(plfx_v4l2 *v, int n)
     return status;
 }
 
+/* Frames until one more is counted as broken, at most 30: a fault meets buffers that
+ * the driver has not filled yet. */
+static int broken_after(plfx_v4l2 *v, uint64_t before)
+{
+    plfx_camera_count now;
+    int k;
+
+    for (k = 0; k < 30 && take(v, 1) == PLFX_OK; k++) {
+        v->camera.count(v, &now);
+        if (now.incomplete > before) {
+            return take(v, 2) == PLFX_OK;
+        }
+    }
+    return 0;
+}
+
 static void faults_are_counted(void)
 {
     plfx_camera_count before;
@@ -250,12 +266,11 @@ static void faults_are_counted(void)
     }
     v.camera.count(&v, &before);
     verdict(control(v.file, "Inject V4L2_BUF_FLAG_ERROR", 1) == 0 &&
-                take(&v, 4) == PLFX_OK,
-            "frames go on after one that is marked broken");
+                broken_after(&v, before.incomplete),
+            "a frame that is marked broken is counted, and frames go on");
     v.camera.count(&v, &after);
-    verdict(after.incomplete > before.incomplete, "the broken frame is counted");
     verdict(control(v.file, "Percentage of Dropped Buffers", 50) == 0 &&
-                take(&v, 10) == PLFX_OK,
+                take(&v, 20) == PLFX_OK,
             "frames go on while every second one is dropped");
     v.camera.count(&v, &before);
     verdict(before.missed > after.missed, "the dropped ones are counted");
