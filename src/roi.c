@@ -229,7 +229,9 @@ static void add_rest(const plfx_roi *roi, const plfx_roi_frame *frame,
                 uint32_t v = ((uint32_t)row[x] + 8u) >> 4;
                 v = v < 4095u ? v : 4095u;
                 sum[x] = (uint16_t)(sum[x] + v);
-                square += (uint64_t)v * v;
+                if (plfx_roi_within(p, x, y)) {
+                    square += (uint64_t)v * v;
+                }
             }
         }
     }

@@ -245,12 +245,30 @@ static int64_t sandwich(const int32_t inv_q24[3][3], const int64_t v_q24[3][3],
     return sum;
 }
 
+/* Standard errors of the three components for a covariance of the sums, q12. */
+static void errors_of(const plfx_roi_patch *p, int64_t v[3][3], uint32_t out_q12[3])
+{
+    int32_t a;
+    int32_t b;
+    int32_t k;
+
+    for (a = 0; a < 3; a++) {
+        for (b = 0; b < 3; b++) {
+            v[a][b] = scaled(p, v[a][b], a, b);
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        int64_t q =
+            sandwich((const int32_t(*)[3])p->inv_q24, (const int64_t(*)[3])v, k);
+        out_q12[k] = plfx_isqrt_u64(q > 0 ? (uint64_t)q : 0u);
+    }
+}
+
 static void spread(const plfx_roi *roi, plfx_roi_patch *p)
 {
     int64_t v[3][3];
     int32_t a;
     int32_t b;
-    int32_t k;
 
     memset(v, 0, sizeof v);
     for (a = 0; a < roi->cfg.views; a++) {
@@ -261,15 +279,43 @@ static void spread(const plfx_roi *roi, plfx_roi_patch *p)
             }
         }
     }
-    for (a = 0; a < 3; a++) {
-        for (b = 0; b < 3; b++) {
-            v[a][b] = scaled(p, v[a][b], a, b);
+    errors_of(p, v, p->spread_q12);
+}
+
+/* The same for an error of unit variance that is one number a lens: what the
+ * interpolator misses of texture finer than two lenses is alike in all views.  Sums of
+ * g over the views < 2^23, products over the lenses < 2^57. */
+static void spread_common(const plfx_roi *roi, plfx_roi_patch *p)
+{
+    size_t n = (size_t)p->w * (size_t)p->h;
+    int64_t v[3][3];
+    size_t s;
+    int32_t view;
+    int32_t k;
+    int32_t l;
+
+    memset(v, 0, sizeof v);
+    for (s = 0; s < n; s++) {
+        int64_t sum[3] = {0, 0, 0};
+        for (view = 0; view < roi->cfg.views; view++) {
+            int64_t g[3] = {0, 0, 0};
+            if (p->ref[n * (size_t)view + s] != PLFX_ROI_UNUSED) {
+                orthogonal(roi, p, view, n * (size_t)view + s, g);
+            }
+            for (k = 0; k < 3; k++) {
+                sum[k] += g[k];
+            }
+        }
+        for (k = 0; k < 3; k++) {
+            for (l = 0; l < 3; l++) { /* a 256th: the sums divide by the scale */
+                v[k][l] += plfx_asr_i64(sum[k] * sum[l], 8);
+            }
         }
     }
+    errors_of(p, v, p->common_q12);
     for (k = 0; k < 3; k++) {
-        int64_t q =
-            sandwich((const int32_t(*)[3])p->inv_q24, (const int64_t(*)[3])v, k);
-        p->spread_q12[k] = plfx_isqrt_u64(q > 0 ? (uint64_t)q : 0u);
+        p->common_q12[k] =
+            p->common_q12[k] < 1u << 27 ? p->common_q12[k] * 16u : 1u << 31;
     }
 }
 
@@ -289,4 +335,5 @@ void plfx_roi_inform(const plfx_roi *roi, plfx_roi_patch *p)
         return;
     }
     spread(roi, p);
+    spread_common(roi, p);
 }

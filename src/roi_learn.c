@@ -23,14 +23,19 @@ static int32_t wide_h(const plfx_roi_patch *p)
  * the frames about their mean. */
 static void average(const plfx_roi *roi, plfx_roi_patch *p)
 {
-    size_t n = (size_t)roi->cfg.views * (size_t)wide_w(p) * (size_t)wide_h(p);
+    size_t n = (size_t)roi->cfg.views * (size_t)p->w * (size_t)p->h;
+    size_t all = (size_t)roi->cfg.views * (size_t)wide_w(p) * (size_t)wide_h(p);
     uint32_t frames = (uint32_t)roi->cfg.rest;
     uint64_t square = 0;
     size_t s;
 
-    for (s = 0; s < n; s++) {
+    for (s = 0; s < all; s++) {
         uint32_t sum = p->wide[s]; /* <= 16 * 4095 */
-        square += (uint64_t)sum * sum;
+        int32_t x = (int32_t)(s % (size_t)wide_w(p));
+        int32_t y = (int32_t)(s / (size_t)wide_w(p) % (size_t)wide_h(p));
+        if (plfx_roi_within(p, x, y)) {
+            square += (uint64_t)sum * sum;
+        }
         p->wide[s] = (uint16_t)((sum * 16u + frames / 2u) / frames);
     }
     p->noise_q8 = 0;

@@ -240,36 +240,74 @@ static int64_t light_energy(const plfx_roi_patch *p, plfx_roi_light l)
     return e + 2 * o * plfx_round_shift_i64(ref * a_q12, 12) + p->used * o * o;
 }
 
-/* Variance left over, q8; flags what it says. */
-static int64_t residual(const plfx_roi *roi, const plfx_roi_patch *p,
-                        const plfx_roi_sums *s, plfx_roi_light l, const int32_t d[3],
-                        plfx_roi_result *out)
+/* Variances of a sample that the displacement does not explain, q8. */
+typedef struct leftover {
+    int64_t noise;  /* at least that of the rest state */
+    int64_t missed; /* by the interpolator */
+} leftover;
+
+/* How far what is left is from the noise, over or under it, beyond what chance and the
+ * rest state's own noise put there: a 16th and three standard errors of a variance of
+ * so many samples, of which about a third are independent. */
+static int64_t missed_q8(const plfx_roi *roi, const plfx_roi_patch *p, int64_t left_q8,
+                         int64_t noise_q8)
+{
+    int64_t chance_q12 = 30000 / (int64_t)plfx_isqrt_u64((uint64_t)p->used);
+    int64_t off = left_q8 - noise_q8 - noise_q8 / roi->cfg.rest;
+
+    off = (off < 0 ? -off : off) - plfx_asr_i64(noise_q8 * chance_q12, 12);
+    return off > 0 ? off : 0;
+}
+
+/* Splits what is left; flags what it says. */
+static leftover residual(const plfx_roi *roi, const plfx_roi_patch *p,
+                         const plfx_roi_sums *s, plfx_roi_light l, const int32_t d[3],
+                         plfx_roi_result *out)
 {
     int64_t gain_q12 = plfx_asr_i32(l.gain_q20, 8);
     int64_t moved = moved_energy(p, d, gain_q12); /* < 2^56 */
-    int64_t left;
-    int64_t limit;
+    int64_t left = (s->energy - light_energy(p, l) - moved) / p->used * 256;
+    leftover v = {p->noise_q8, 0};
 
-    left = s->energy - light_energy(p, l) - moved;
-    left = (left > 0 ? left : 0) / p->used * 256; /* < 2^40 */
     if (p->noise_q8 > 0) {
-        limit = plfx_asr_i64(p->noise_q8 * gain_q12, 12);
+        int64_t noise = plfx_asr_i64(p->noise_q8 * gain_q12, 12);
+        int64_t limit;
+        noise = noise > p->noise_q8 ? noise : p->noise_q8;
+        v.missed = missed_q8(roi, p, left, noise);
         /* The interpolator misses up to 1/16 of the energy of sharp texture. */
-        limit = (limit > p->noise_q8 ? limit : p->noise_q8) + moved / p->used * 16;
+        limit = noise + moved / p->used * 16;
         out->residual_q8 = sat_u16(left * 256 / limit); /* < 2^48 */
         if (out->residual_q8 > roi->cfg.residual_q8) {
             out->flags |= PLFX_ROI_OCCLUDED;
         }
     }
-    return left > p->noise_q8 ? left : p->noise_q8;
+    v.noise = left > v.noise ? left : v.noise;
+    return v;
 }
 
-static uint32_t sigma(const plfx_roi_patch *p, int32_t k, int64_t variance_q8,
+/* sqrt(a*a + b*b). */
+static uint64_t hypotenuse(uint64_t a, uint64_t b)
+{
+    int32_t shift = 0;
+
+    while ((a | b) >> shift >= (uint64_t)1 << 31) { /* at most 33 */
+        shift++;
+    }
+    a >>= shift;
+    b >>= shift;
+    return (uint64_t)plfx_isqrt_u64(a * a + b * b) << shift;
+}
+
+/* Noise scatters with the views' pixels; what is missed is alike in all views. */
+static uint32_t sigma(const plfx_roi_patch *p, int32_t k, const leftover *left,
                       int32_t gain_q20)
 {
-    uint64_t rms_q8 = plfx_isqrt_u64((uint64_t)variance_q8 << 8); /* < 2^24 */
-    uint64_t s = rms_q8 * p->spread_q12[k] * 16u / (uint64_t)p->scale[k];
+    uint64_t rms_q8 = plfx_isqrt_u64((uint64_t)left->noise << 8); /* < 2^24 */
+    uint64_t over_q8 = plfx_isqrt_u64((uint64_t)left->missed << 8);
+    uint64_t s = hypotenuse(rms_q8 * p->spread_q12[k], over_q8 * p->common_q12[k]) *
+                 16u / (uint64_t)p->scale[k];
 
+    s = s < (uint64_t)1 << 43 ? s : (uint64_t)1 << 43;
     s = (s << 20) / (uint64_t)(gain_q20 > 1 << 14 ? gain_q20 : 1 << 14) + 1u;
     return s > 0x7fffffffu ? 0x7fffffffu : (uint32_t)s;
 }
@@ -313,7 +351,7 @@ static int64_t unlike(const plfx_roi *roi, const plfx_roi_frame *frame,
     return sum;
 }
 
-/* Look for a lost patch around its place, in the first view. */
+/* The likest place within cfg.seek lenses, at least one, in the first view. */
 static void seek(const plfx_roi *roi, const plfx_roi_frame *frame, plfx_roi_patch *p)
 {
     int32_t i0 = p->ki;
@@ -321,7 +359,7 @@ static void seek(const plfx_roi *roi, const plfx_roi_frame *frame, plfx_roi_patc
     int32_t best_i = i0;
     int32_t best_j = j0;
     int64_t best = INT64_MAX;
-    int32_t r = roi->cfg.seek;
+    int32_t r = plfx_max_i32(roi->cfg.seek, 1);
     int32_t a;
     int32_t b;
 
@@ -354,21 +392,21 @@ static void clear(plfx_roi_result *out, uint32_t flags)
 
 /* Lens pitches and slope of columns, rows and rim shift. */
 static void fill(const plfx_roi *roi, const plfx_roi_patch *p, const int32_t d[3],
-                 int64_t variance_q8, int32_t gain_q20, plfx_roi_result *out)
+                 const leftover *left, int32_t gain_q20, plfx_roi_result *out)
 {
     int64_t col = d[0] + (int64_t)p->ki * PLFX_ROI_ONE;
     int64_t row = d[1] + (int64_t)p->kj * PLFX_ROI_ONE;
 
     out->u_q24 = plfx_sat_i32(col * 4096 / roi->col_q12);
     out->v_q24 = plfx_sat_i32(row * 4096 / roi->row_q12);
-    out->u_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 0, variance_q8, gain_q20) * 4096u /
+    out->u_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 0, left, gain_q20) * 4096u /
                                   (uint32_t)roi->col_q12);
-    out->v_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 1, variance_q8, gain_q20) * 4096u /
+    out->v_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 1, left, gain_q20) * 4096u /
                                   (uint32_t)roi->row_q12);
     if (roi->rim_q8 > 0) {
         out->w_q24 = plfx_sat_i32(plfx_div_round_i64((int64_t)d[2] * 256, roi->rim_q8));
-        out->w_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 2, variance_q8, gain_q20) *
-                                      256u / (uint32_t)roi->rim_q8);
+        out->w_sigma_q24 = (uint32_t)((uint64_t)sigma(p, 2, left, gain_q20) * 256u /
+                                      (uint32_t)roi->rim_q8);
     }
 }
 
@@ -381,7 +419,7 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     plfx_roi_light l;
     int32_t linear[3];
     int32_t d[3];
-    int64_t variance_q8;
+    leftover left;
 
     clear(out, 0);
     if (!inside(roi, p)) {
@@ -408,8 +446,8 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
         d[2] > PLFX_ROI_ONE / 2 || d[2] < -PLFX_ROI_ONE / 2) {
         out->flags |= PLFX_ROI_RANGE;
     }
-    variance_q8 = residual(roi, p, &s, l, d, out);
-    fill(roi, p, d, variance_q8, l.gain_q20, out);
+    left = residual(roi, p, &s, l, d, out);
+    fill(roi, p, d, &left, l.gain_q20, out);
     if (whole(d[0]) == 0 && whole(d[1]) == 0) {
         return 0;
     }
@@ -421,32 +459,37 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     return 0;
 }
 
+/* Looks from the patch's place on; 1 when the last one is valid. */
+static int32_t settle(const plfx_roi *roi, const plfx_roi_frame *frame,
+                      plfx_roi_patch *p, plfx_roi_result *out)
+{
+    int32_t step;
+
+    for (step = 0; step < roi->cfg.steps; step++) {
+        if (!attempt(roi, frame, p, out)) {
+            break;
+        }
+    }
+    return out->flags == 0;
+}
+
+/* From where the region was last seen; once more from the likest place around it; if
+ * both fail it waits there. */
 static void follow(const plfx_roi *roi, const plfx_roi_frame *frame, plfx_roi_patch *p,
                    plfx_roi_result *out)
 {
     int32_t ki = p->ki;
     int32_t kj = p->kj;
-    int32_t step;
-    int32_t sought = roi->cfg.seek == 0;
+    int32_t found = settle(roi, frame, p, out);
 
-    for (step = 0; step < 2 * roi->cfg.steps; step++) {
-        int32_t again = attempt(roi, frame, p, out);
-        if (!again && (out->flags & ~PLFX_ROI_LIGHT) == 0) {
-            return;
-        }
-        if (step + 1 == roi->cfg.steps || !again) {
-            if (sought || step >= roi->cfg.steps) {
-                break;
-            }
-            p->ki = ki;
-            p->kj = kj;
-            seek(roi, frame, p);
-            sought = 1;
-            step = roi->cfg.steps - 1;
-        }
+    if (!found) {
+        p->ki = ki;
+        p->kj = kj;
+        seek(roi, frame, p);
+        found = settle(roi, frame, p, out);
     }
-    if (out->flags & (PLFX_ROI_RANGE | PLFX_ROI_OCCLUDED)) {
-        p->ki = ki; /* wait where it was last seen */
+    if (!found) {
+        p->ki = ki;
         p->kj = kj;
     }
 }

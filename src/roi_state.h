@@ -29,7 +29,7 @@ typedef struct plfx_roi_patch {
     uint16_t *gain;       /* [view][h+6][w+6] u13, or NULL */
     uint16_t *ref;        /* [view][h][w] */
     int16_t *gx, *gy;     /* [view][h][w] */
-    int64_t rest_square;  /* sum of squares of all rest samples, 12 bits */
+    int64_t rest_square;  /* sum of squares of the patch's rest samples, 12 bits */
     int64_t n_bright, n_dark, ref_bright, ref_dark, ref_square;
     int64_t scale[3]; /* square roots of the information's diagonal */
     int32_t inv_q24[3][3];
@@ -37,6 +37,7 @@ typedef struct plfx_roi_patch {
     int64_t cross[3];                  /* energy of a unit slope, and with x, with y */
     int64_t noise_q8;                  /* variance of a sample at rest; 0: unknown */
     uint32_t spread_q12[3];            /* standard error over rms/scale */
+    uint32_t common_q12[3];            /* the same for errors that all views share */
     int32_t reads_q24[3][PLFX_ROI_NODES]; /* what known displacements read */
     int32_t leans_q24[3][PLFX_ROI_NODES]; /* and its change a unit of slope */
     int32_t energy[PLFX_ROI_NODES];       /* of differences, mean of a sample, in 4 */
@@ -44,6 +45,13 @@ typedef struct plfx_roi_patch {
     int32_t gain_q20[PLFX_ROI_NODES];     /* brightness that the displacement feigns */
     int32_t offset_q4[PLFX_ROI_NODES];
 } plfx_roi_patch;
+
+/* Is sample (x, y) of the rest state with its margin one of the patch? */
+static inline int32_t plfx_roi_within(const plfx_roi_patch *p, int32_t x, int32_t y)
+{
+    return x >= PLFX_ROI_MARGIN && x < PLFX_ROI_MARGIN + p->w && y >= PLFX_ROI_MARGIN &&
+           y < PLFX_ROI_MARGIN + p->h;
+}
 
 /* Row y of view k of the patch, displaced by whole lenses: samples x0 .. x0+n-1 counted
  * from the patch's first lens; 16 bits, PLFX_ROI_UNUSED where clipped. */

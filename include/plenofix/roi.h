@@ -17,12 +17,15 @@
  *
  * Standard error: the bound from the region's own gradients (inverse of the information
  * matrix), with the correlation of views that share sensor pixels, times the rms of
- * what the displacement leaves unexplained.
+ * what the displacement leaves unexplained, at least the rest state's noise.  What the
+ * interpolator misses of texture finer than two lenses is no noise: it is alike in all
+ * views, so that its standard error is that of one view; its size is how far the
+ * unexplained energy is from the noise, over it or under.
  *
  * Work in a frame and region of n lenses, k views: k*n samples of 4 multiply-adds (two
  * more when the raw frame is packed) and 3 more for the sums, 1400 for the solution; at
- * most `steps` times that when the region has moved by over half a lens, and
- * n*(2*seek+1)^2 subtractions when it was lost.  24 regions of 63 lenses, 25 views:
+ * most `steps` times that when the region has moved by over half a lens, as much again
+ * and 2*n*(2*r+1)^2 subtractions, r = max(seek, 1), when it was lost.  24 regions of 63 lenses, 25 views:
  * 265,000 + 34,000 multiply-adds.  The rest state costs 75*42*k*n once.
  *
  * Square lattices.  Scaling: samples 16 bits, gradients int16 in 4 units a lens; sums
@@ -73,7 +76,8 @@ typedef struct plfx_roi_cfg {
     plfx_roi_region region[PLFX_ROI_MAX];
     int32_t rest;        /* frames, 1 .. PLFX_ROI_REST_MAX */
     int32_t steps;       /* 1 .. PLFX_ROI_STEPS_MAX */
-    int32_t seek;        /* lenses that a lost region is sought around, 0 .. 16 */
+    int32_t seek;        /* lenses around which a lost region is sought, 0 .. 16; the
+                            eight lenses around always */
     int32_t residual_q8; /* residual over the rest's noise at which OCCLUDED, variance
                             ratio, 256 .. 65535 */
 } plfx_roi_cfg;
