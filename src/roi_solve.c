@@ -480,9 +480,10 @@ static void follow(const plfx_roi *roi, const plfx_roi_frame *frame, plfx_roi_pa
 {
     int32_t ki = p->ki;
     int32_t kj = p->kj;
+    int32_t within = inside(roi, p);
     int32_t found = settle(roi, frame, p, out);
 
-    if (!found) {
+    if (!found && (within || roi->cfg.seek > 0)) {
         p->ki = ki;
         p->kj = kj;
         seek(roi, frame, p);
