@@ -24,9 +24,10 @@
  *
  * Work in a frame and region of n lenses, k views: k*n samples of 4 multiply-adds (two
  * more when the raw frame is packed) and 3 more for the sums, 1400 for the solution; at
- * most `steps` times that when the region has moved by over half a lens, as much again
- * and 2*n*(2*r+1)^2 subtractions, r = max(seek, 1), when it was lost.  24 regions of 63 lenses, 25 views:
- * 265,000 + 34,000 multiply-adds.  The rest state costs 75*42*k*n once.
+ * most `steps` times that when the region has moved by over half a lens; as much again
+ * and 2*n*(2*r+1)^2 subtractions, r = max(seek, 1), when it was lost.  24 regions of 63
+ * lenses, 25 views: 265,000 + 34,000 multiply-adds.  The rest state costs 75*42*k*n
+ * once.
  *
  * Square lattices.  Scaling: samples 16 bits, gradients int16 in 4 units a lens; sums
  * < 2^51 in 64 bits; the inverse is q24 of the information matrix scaled to unit
