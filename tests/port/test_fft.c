@@ -24,7 +24,7 @@ static double uniform(void)
     return ((double)(seed >> 8) + 0.5) / 16777216.0;
 }
 
-/* Signal over error, dB, of the whole spectrum of a multi-tone at `peak` of full scale. */
+/* Signal over error of the whole spectrum of tones at `peak` of full scale, dB. */
 static double quality(double peak)
 {
     static double re[N], im[N];
