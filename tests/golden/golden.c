@@ -440,6 +440,9 @@ const golden_stage golden_stages[] = {
     {"stream small", run_stream_small, 0xab2cfd99u},
     {"stream fast", run_stream_fast, 0xab2cfd99u},
     {"packet", run_packet, 0xc2bb28a9u},
+    {"regions", golden_regions, 0x1fd57e14u},
+    {"modes", golden_modes, 0xf5ba4dcfu},
+    {"packets", golden_packets, 0xc9e4e0dfu},
 };
 
 const size_t golden_count = sizeof golden_stages / sizeof golden_stages[0];

@@ -26,6 +26,11 @@ void golden_begin(golden_crc *c);
 void golden_add(golden_crc *c, uint32_t value, int32_t bytes);
 uint32_t golden_end(const golden_crc *c);
 
+/* Stages of structural motion (motion.c). */
+uint32_t golden_regions(void);
+uint32_t golden_modes(void);
+uint32_t golden_packets(void);
+
 /* The generator of all made input: 32 bits a call, the high ones best. */
 uint32_t golden_random(uint32_t *state);
 
