@@ -4,6 +4,7 @@ undefined-behaviour and integer sanitizers (clang 14), from the committed corpor
 
 usage: fuzz.py SECONDS [NAME ...]            each harness, two at a time
        fuzz.py SECONDS --record [NAME ...]   and note executions in tests/fuzz/record.csv
+       fuzz.py --file FILE.c                 a harness of one file, 20 s
        fuzz.py --pack [NAME ...]             least set of inputs found so far into the
                                              corpus, at most 48 KiB a harness
 
@@ -111,8 +112,21 @@ def pack(name):
     print(f'{name}: {len(files)} inputs, {len(data)} bytes')
 
 
+def single(path):
+    with common.scratch() as folder:
+        common.run('clang-14', '-g', '-O1', f'-fsanitize=fuzzer,address,undefined,{INTEGER}',
+                   path, '-o', folder + '/fuzz')
+        done = subprocess.run([folder + '/fuzz', '-max_total_time=20',
+                               f'-artifact_prefix={folder}/'], capture_output=True,
+                              text=True, errors='replace')
+    print(done.stderr[-3000:])
+    return 1 if done.returncode else 0
+
+
 def main(args):
     common.need('clang-14', 'meson', 'ninja')
+    if args[:1] == ['--file']:
+        return single(args[1])
     named = [a for a in args if a in names()] or names()
     build()
     if '--pack' in args:

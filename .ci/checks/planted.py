@@ -50,6 +50,12 @@ SLOW = [
     ('no float in a kernel', 'opencl.sh', ['float_kernel.cl'], r'opencl: [1-9]\d* float'),
     ('explicit conversions in a kernel', 'opencl.sh', ['narrow_kernel.cl'],
      r'implicit conversion'),
+    ('overflow, by proof', 'proof.py', ['proof.c'], r'signed_overflow\w* not proved'),
+    ('overrun, by fuzzing', 'fuzz.py', ['--file', 'fuzz.c'], r'heap-buffer-overflow'),
+    ('fault that no test sees', 'mutation.py', ['--report', 'mutants.txt'],
+     r'planted.c \| return a \+ b; \| return a - b;: not seen'),
+    ('condition without effect, by MC/DC', 'mcdc.py', ['--report', 'mcdc.json'],
+     r'mcdc.c:6: 1 of "a && b" not shown'),
     ('recursion, by clang-tidy', 'tidy.py', ['-', 'recursion.c'], r'misc-no-recursion'),
 ]
 
