@@ -16,6 +16,10 @@ int plft_frame_alloc(plft_frame *frame, unsigned long w, unsigned long h, int ch
         return plft_fail(PLFT_DATA, "%s: %lu x %lu pixels; a side may have 1 to %d",
                          name, w, h, PLFT_SIDE_MAX);
     }
+    if (w * h * (unsigned long)channels > PLFT_SAMPLES_MAX) {
+        return plft_fail(PLFT_DATA, "%s: %lu x %lu pixels are more than %lu samples",
+                         name, w, h, PLFT_SAMPLES_MAX);
+    }
     frame->px = (uint16_t *)plft_alloc(w * h * (size_t)channels, sizeof *frame->px);
     if (frame->px == NULL) {
         return PLFT_DATA;

@@ -7,6 +7,8 @@
 #include <stdint.h>
 
 #define PLFT_SIDE_MAX 32767 /* pixels on a side, as in plfx_raw */
+/* Of one picture, 512 MB: a forged head asks for no more memory. */
+#define PLFT_SAMPLES_MAX (1ul << 28)
 
 /* A frame of right-justified samples.  File values are kept: 8-bit files give bits 8,
  * 16-bit files bits 16, or `bits` when the caller names it. */
