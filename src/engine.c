@@ -7,6 +7,12 @@ static int32_t fuses(const plfx_plan *plan)
     return plan->cfg.method == PLFX_METHOD_PAIRS;
 }
 
+/* The median of one pair is the pair. */
+static int32_t only_pair(const plfx_plan *plan)
+{
+    return plan->cfg.n == 2 && plan->cfg.fuse == PLFX_FUSE_MEDIAN;
+}
+
 static void carve_pairs(plfx_engine *e, plfx_arena *a)
 {
     size_t pairs = (size_t)e->match.pairs;
@@ -102,7 +108,7 @@ static void fuse_row(const plfx_engine *e, const plfx_map *row)
     }
 }
 
-static void no_sigma(const plfx_map *row)
+void plfx_map_no_sigma(const plfx_map *row)
 {
     int32_t x;
 
@@ -114,12 +120,12 @@ static void no_sigma(const plfx_map *row)
 void plfx_engine_row(plfx_engine *e, const plfx_rows *src, int32_t y,
                      const plfx_map *row)
 {
-    if (fuses(e->match.plan)) {
+    if (fuses(e->match.plan) && !only_pair(e->match.plan)) {
         plfx_match_row(&e->match, src, y, e->lines);
         fuse_row(e, row);
     } else {
         plfx_line line = {row->slope_q16, row->conf_u16, NULL, row->flags};
         plfx_match_row(&e->match, src, y, &line);
-        no_sigma(row);
+        plfx_map_no_sigma(row);
     }
 }

@@ -30,4 +30,7 @@ void plfx_map_put(const plfx_map *row, size_t at, int32_t slope, uint16_t conf,
 /* A row too near the border for a window. */
 void plfx_map_edge(const plfx_map *row);
 
+/* A row that holds no standard errors. */
+void plfx_map_no_sigma(const plfx_map *row);
+
 #endif

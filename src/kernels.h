@@ -137,7 +137,8 @@ typedef struct plfx_winners {
     int16_t *code;  /* 32*label + fraction + 8, fraction -8 .. 8 sixteenths; the sign
                             bit is set when a label that is no neighbour is as good */
     uint16_t *conf; /* margin over the second best, select.c; NULL: not wanted */
-    uint16_t floor_cost; /* of the margin, under 2^14 */
+    uint16_t floor_cost;  /* of the margin, under 2^14 */
+    int16_t *best, *rest; /* the two sums instead of conf; NULL: not wanted */
 } plfx_winners;
 void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
                    int32_t labels, int32_t fit, const plfx_winners *out);

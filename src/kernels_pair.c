@@ -441,7 +441,12 @@ static void by_race(const int16_t *restrict sum, const int16_t *restrict order,
         w->at[i] = (int16_t)(cells - w->at[i]);
         w->tie[i] = (int16_t)(-(rest[i] == w->best[i]));
     }
-    plfx_won_rate(w->best, rest, out->floor_cost, out->conf);
+    if (out->best) {
+        memcpy(out->best, w->best, sizeof w->best);
+        memcpy(out->rest, rest, sizeof rest);
+    } else {
+        plfx_won_rate(w->best, rest, out->floor_cost, out->conf);
+    }
     look_beside(sum, w);
 }
 
@@ -450,7 +455,7 @@ void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *ord
 {
     plfx_won w;
 
-    if (out->conf) {
+    if (out->conf || out->best) {
         by_race(sum, order, labels, out, &w);
     } else {
         by_lead(sum, lead, order, labels, &w);

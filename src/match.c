@@ -427,6 +427,8 @@ static void winners(const plfx_match *m, const pass *s, int32_t b)
     out.code = m->code + at;
     out.conf = s->conf ? m->conf + at : NULL;
     out.floor_cost = m->floor_cost;
+    out.best = NULL;
+    out.rest = NULL;
     plfx_k_select(m->sum, lead_of(m), m->order, m->labels, m->plan->cfg.fit, &out);
 }
 
@@ -524,6 +526,13 @@ static void run_pair(plfx_match *m, int32_t p, const pass *s)
 static void collect(plfx_match *m, int32_t p, int32_t y, const pass *s,
                     const plfx_line *line)
 {
+    plfx_judge judge = {m->plan,
+                        m->code_row,
+                        m->conf_row,
+                        m->no_row,
+                        NULL,
+                        m->tex,
+                        m->span + p * m->labels};
     int32_t r = m->plan->cfg.window / 2;
     int32_t n = m->plan->nx - 2 * r;
 
@@ -532,7 +541,7 @@ static void collect(plfx_match *m, int32_t p, int32_t y, const pass *s,
         plfx_k_unstripe((const int16_t *)m->conf, m->blocks, n,
                         (int16_t *)m->conf_row + r);
     }
-    plfx_match_judge(m, p, y, s->conf, line);
+    plfx_judge_row(&judge, y, s->conf, line);
 }
 
 /* Row y of the source becomes ready to enter. */

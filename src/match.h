@@ -90,9 +90,18 @@ void plfx_match_row(plfx_match *m, const plfx_rows *src, int32_t y,
 /* DROP: take row y - window/2 out after output row y, while the source still has it. */
 void plfx_match_drop(plfx_match *m, const plfx_rows *src, int32_t y);
 
-/* From the winners in code_row (and conf_row, if conf) to line `out` of pair p. */
-void plfx_match_judge(plfx_match *m, int32_t p, int32_t y, int32_t conf,
-                      const plfx_line *out);
+/* Winners along a row and what judges them, by lens. */
+typedef struct plfx_judge {
+    const plfx_plan *plan;
+    int16_t *code_row;
+    uint16_t *conf_row, *no_row;
+    const uint16_t *lit_row; /* 0: a window without variance; NULL: not looked at */
+    const uint32_t *tex;
+    const plfx_span *span; /* [labels] */
+} plfx_judge;
+
+/* From the winners (with conf_row, if conf) to line `out`. */
+void plfx_judge_row(const plfx_judge *m, int32_t y, int32_t conf, const plfx_line *out);
 
 /* Texture of the reference: row y enters, the row a window before leaves. */
 void plfx_match_texture_start(plfx_match *m);

@@ -31,7 +31,7 @@ static void refuse_ties(int16_t *restrict code, uint16_t *restrict no, int32_t n
 }
 
 /* With three labels the middle one has no other: no margin, and no tie. */
-static void middle_alone(const plfx_match *m)
+static void middle_alone(const plfx_judge *m)
 {
     int32_t r = m->plan->cfg.window / 2;
     int32_t i;
@@ -44,7 +44,17 @@ static void middle_alone(const plfx_match *m)
     }
 }
 
-static void refuse_flat(const plfx_match *m)
+static void refuse_unlit(const plfx_judge *m)
+{
+    int32_t r = m->plan->cfg.window / 2;
+    int32_t i;
+
+    for (i = r; i < m->plan->nx - r; i++) {
+        m->no_row[i] |= (uint16_t)(m->lit_row[i] == 0 ? PLFX_FLAG_TEXTURE : 0u);
+    }
+}
+
+static void refuse_flat(const plfx_judge *m)
 {
     uint32_t w = m->plan->cfg.window;
     uint32_t limit = m->plan->cfg.texture * w * w;
@@ -59,7 +69,7 @@ static void refuse_flat(const plfx_match *m)
 }
 
 /* Windows that leave a view: lenses x0 .. x1-1 one by one. */
-static void refuse_range(const plfx_match *m, const plfx_span *span, int32_t y,
+static void refuse_range(const plfx_judge *m, const plfx_span *span, int32_t y,
                          int32_t x0, int32_t x1)
 {
     int32_t i;
@@ -73,7 +83,7 @@ static void refuse_range(const plfx_match *m, const plfx_span *span, int32_t y,
 }
 
 /* The lenses where no label leaves a view need no look-up. */
-static void refuse_edges(const plfx_match *m, const plfx_span *span, int32_t y)
+static void refuse_edges(const plfx_judge *m, const plfx_span *span, int32_t y)
 {
     int32_t r = m->plan->cfg.window / 2;
     int32_t end = m->plan->nx - r;
@@ -81,7 +91,7 @@ static void refuse_edges(const plfx_match *m, const plfx_span *span, int32_t y)
     int32_t x1 = end;
     int32_t l;
 
-    for (l = 0; l < m->labels; l++) {
+    for (l = 0; l < m->plan->cfg.labels; l++) {
         x0 = plfx_max_i32(x0, span[l].x0);
         x1 = plfx_min_i32(x1, span[l].x1 + 1);
         if (y < span[l].y0 || y > span[l].y1) {
@@ -97,7 +107,7 @@ static void refuse_edges(const plfx_match *m, const plfx_span *span, int32_t y)
 /* slope = min + round(span*t/d), t = 16*label + fraction, d = 16*(labels-1): with span
  * = whole*d + part the quotient is whole*t + (part*t + d/2)/d, the dividend under
  * 2^24, and x/d = x*m >> 36 with m = 2^36/d + 1 (error under 1/d for d <= 2^12). */
-static void write_slopes(const plfx_match *m, int32_t *restrict slope)
+static void write_slopes(const plfx_judge *m, int32_t *restrict slope)
 {
     const plfx_cfg *c = &m->plan->cfg;
     const int16_t *restrict code = m->code_row;
@@ -129,13 +139,13 @@ static void write_slopes(const plfx_match *m, int32_t *restrict slope)
     }
 }
 
-static void write_flags(const plfx_match *m, uint8_t *restrict flags)
+static void write_flags(const plfx_judge *m, uint8_t *restrict flags)
 {
     const int16_t *restrict code = m->code_row;
     const uint16_t *restrict no = m->no_row;
     int32_t r = m->plan->cfg.window / 2;
     int32_t end = m->plan->nx - r;
-    int32_t last = m->labels - 1;
+    int32_t last = m->plan->cfg.labels - 1;
     int32_t i;
 
     for (i = r; i < end; i++) {
@@ -144,7 +154,7 @@ static void write_flags(const plfx_match *m, uint8_t *restrict flags)
     }
 }
 
-static void write_borders(const plfx_match *m, const plfx_line *out)
+static void write_borders(const plfx_judge *m, const plfx_line *out)
 {
     int32_t r = m->plan->cfg.window / 2;
     int32_t nx = m->plan->nx;
@@ -162,7 +172,7 @@ static void write_borders(const plfx_match *m, const plfx_line *out)
     }
 }
 
-static void write_conf(const plfx_match *m, uint16_t *restrict conf, int32_t keep)
+static void write_conf(const plfx_judge *m, uint16_t *restrict conf, int32_t keep)
 {
     const uint16_t *restrict rated = m->conf_row;
     const uint16_t *restrict no = m->no_row;
@@ -175,14 +185,13 @@ static void write_conf(const plfx_match *m, uint16_t *restrict conf, int32_t kee
     }
 }
 
-void plfx_match_judge(plfx_match *m, int32_t p, int32_t y, int32_t conf,
-                      const plfx_line *out)
+void plfx_judge_row(const plfx_judge *m, int32_t y, int32_t conf, const plfx_line *out)
 {
     const plfx_plan *plan = m->plan;
     int32_t r = plan->cfg.window / 2;
     int32_t n = plan->nx - 2 * r;
 
-    if (m->labels == 3) {
+    if (plan->cfg.labels == 3) {
         middle_alone(m);
     }
     if (conf) {
@@ -194,7 +203,10 @@ void plfx_match_judge(plfx_match *m, int32_t p, int32_t y, int32_t conf,
     if (plan->cfg.texture > 0) {
         refuse_flat(m);
     }
-    refuse_edges(m, m->span + p * m->labels, y);
+    if (m->lit_row) {
+        refuse_unlit(m);
+    }
+    refuse_edges(m, m->span, y);
     write_slopes(m, out->slope_q16);
     write_borders(m, out);
     if (out->flags) {

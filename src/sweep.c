@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * Whole-frame matching: SAD by the row engine, NCC by its own columns. */
 #include "plenofix/sweep.h"
-#include "plenofix/fuse.h"
-#include "engine.h"
 #include "arena.h"
+#include "engine.h"
 #include "fix.h"
+#include "plenofix/fuse.h"
+#include "zncc_lanes.h"
 
 #include <string.h>
 
@@ -21,6 +22,7 @@ static void carve_rows(plfx_sweep_state *s, plfx_arena *a, size_t nx)
     s->rows = plfx_take(a, 1, sizeof(plfx_zncc_rows));
     words = plfx_take(a, 18u * nx + 192u, sizeof(uint32_t));
     if (s->rows) {
+        s->rows->lanes = NULL;
         s->rows->a_low = words;
         s->rows->a_exp = (int32_t *)words + nx;
         s->rows->ab_sum = words + 2u * nx;
@@ -66,6 +68,30 @@ static void carve_zncc(plfx_sweep_state *s, plfx_arena *a, size_t nx, size_t cel
     s->race.won = plfx_behind(s->race.label, 4u * nx, sizeof(uint16_t));
 }
 
+#if PLFX_ZNCC_BY_ROWS
+static void carve_lanes(plfx_sweep_state *s, plfx_arena *a)
+{
+    plfx_zncc_lanes dry;
+    plfx_zncc_lanes *z = plfx_take(a, 1, sizeof(plfx_zncc_lanes));
+    uint32_t *words = plfx_take(a, 192, sizeof(uint32_t));
+    plfx_zncc_piece *piece;
+
+    s->rows = plfx_take(a, 1, sizeof(plfx_zncc_rows));
+    piece = plfx_take(a, 1, sizeof(plfx_zncc_piece));
+    if (s->rows) {
+        s->rows->steps = words;
+        s->rows->piece = piece;
+        s->rows->lanes = z;
+    }
+    plfx_zncc_lanes_carve(z ? z : &dry, s->plan, a);
+    if (z) {
+        z->row.plan = s->plan;
+        z->row.tex = s->tex;
+        z->row.span = s->span;
+    }
+}
+#endif
+
 static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
 {
     size_t nx = (size_t)plan->nx;
@@ -85,6 +111,12 @@ static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
     s->out.flags = plfx_take(a, pairs * nx, sizeof(uint8_t));
     s->slopes = plfx_take(a, pairs, sizeof(int32_t));
     s->weights = plfx_take(a, pairs, sizeof(uint16_t));
+#if PLFX_ZNCC_BY_ROWS
+    if (plfx_zncc_lanes_fit(plan)) {
+        carve_lanes(s, a);
+        return;
+    }
+#endif
     carve_zncc(s, a, nx, pairs * labels * nx);
 }
 
@@ -215,6 +247,76 @@ typedef struct band {
     int32_t y0, y1;
 } band;
 
+#if PLFX_ZNCC_BY_ROWS
+/* Lines of the pairs: rows of s->out, or the map's own where one pair is the
+ * result. */
+static int32_t aim_line(const plfx_sweep_state *s, const plfx_map *row, int32_t p,
+                        plfx_line *line)
+{
+    size_t at = (size_t)p * (size_t)s->plan->nx;
+
+    if (s->pairs == 1 && s->plan->cfg.fuse == PLFX_FUSE_MEDIAN) {
+        line->slope_q16 = row->slope_q16;
+        line->conf_u16 = row->conf_u16;
+        line->weight_u16 = NULL;
+        line->flags = row->flags;
+        return 1;
+    }
+    line->slope_q16 = s->out.slope_q16 + at;
+    line->conf_u16 = s->out.conf_u16 + at;
+    line->weight_u16 = s->out.weight_u16 + at;
+    line->flags = s->out.flags + at;
+    return 0;
+}
+
+static void lanes_row(const plfx_sweep_state *s, const plfx_map *out, int32_t y,
+                      int32_t gone, int32_t target)
+{
+    plfx_map row = plfx_map_row(out, target);
+    plfx_line *lines = s->rows->lanes->lines;
+    int32_t whole = 0;
+    int32_t p;
+
+    for (p = 0; p < s->pairs; p++) {
+        whole = aim_line(s, &row, p, lines + p);
+    }
+    if (s->plan->cfg.texture > 0) {
+        plfx_texture_sums(s);
+    }
+    plfx_zncc_lanes_row(s, y, gone, target, lines);
+    if (whole) {
+        plfx_map_no_sigma(&row);
+    } else {
+        fuse_row(s, &row);
+    }
+}
+
+static void sweep_lanes(const plfx_sweep_state *s, band b, const plfx_map *out)
+{
+    int32_t w = s->plan->cfg.window;
+    int32_t first = b.y0 - w / 2;
+    int32_t y;
+
+    memset(s->tex_col, 0, (size_t)s->plan->nx * sizeof(uint32_t));
+    memset(s->tex, 0, (size_t)s->plan->nx * sizeof(uint32_t));
+    plfx_zncc_lanes_start(s->rows->lanes);
+    for (y = first; y < b.y1 + w / 2; y++) {
+        int32_t gone = y - w >= first ? y - w : -1;
+        if (s->plan->cfg.texture > 0) {
+            plfx_texture_row(s, y, 1);
+            if (gone >= 0) {
+                plfx_texture_row(s, gone, -1);
+            }
+        }
+        if (y >= b.y0 + w / 2) {
+            lanes_row(s, out, y, gone, y - w / 2);
+        } else {
+            plfx_zncc_lanes_row(s, y, gone, 0, NULL);
+        }
+    }
+}
+#endif
+
 static void sweep_zncc(const plfx_plan *plan, const plfx_views *views, band b,
                        const plfx_map *out, plfx_arena *a)
 {
@@ -226,10 +328,14 @@ static void sweep_zncc(const plfx_plan *plan, const plfx_views *views, band b,
     carve(&s, plan, a);
     s.views = views;
     fill_spans(&s);
-    clear(&s);
 #if PLFX_ZNCC_BY_ROWS
     plfx_zncc_start(&s);
+    if (s.rows->lanes) {
+        sweep_lanes(&s, b, out);
+        return;
+    }
 #endif
+    clear(&s);
     for (y = b.y0 - r; y < b.y1 + r; y++) {
         columns(&s, y, 1);
         if (y >= b.y0 - r + w) {

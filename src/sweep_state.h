@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Working state of one sweep over a frame, carved from the caller's workspace. */
+ * Working state of one sweep over a frame, carved from the caller's workspace.
+ */
 #ifndef PLENOFIX_SRC_SWEEP_STATE_H
 #define PLENOFIX_SRC_SWEEP_STATE_H
 
@@ -12,9 +13,9 @@ typedef struct plfx_pair_row { /* results of one pair along a row */
     uint8_t *flags;
 } plfx_pair_row;
 
-/* Whole rows in 32 bits pay where there are lanes; on small cores the code would
- * not. */
-#define PLFX_ZNCC_BY_ROWS (PLFX_LANES > 1)
+/* Whole rows in 32 bits pay where there are lanes; on small cores the code
+ * would not. */
+#define PLFX_ZNCC_BY_ROWS (PLFX_LANES > 2)
 #define PLFX_ZNCC_PIECE   64 /* lenses worked on at a time */
 #define PLFX_ZNCC_FLAT    8  /* exponent of a reference window without variance */
 
@@ -44,6 +45,7 @@ typedef struct plfx_zncc_rows {
     uint32_t *steps;                 /* [192] table of mantissas with their falls */
     plfx_whole *whole;               /* [pairs] */
     plfx_zncc_piece *piece;
+    struct plfx_zncc_lanes *lanes; /* in the workspace, or NULL: not by lanes */
 } plfx_zncc_rows;
 
 typedef struct plfx_sweep_state {
@@ -69,7 +71,8 @@ typedef struct plfx_sweep_state {
 void plfx_zncc_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
 void plfx_texture_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
 
-/* Window costs of pair p for the current columns, lenses r .. nx-1-r of s->cost. */
+/* Window costs of pair p for the current columns, lenses r .. nx-1-r of
+ * s->cost. */
 void plfx_zncc_cost(const plfx_sweep_state *s, int32_t p);
 /* 1: 32 bits hold every moment of the plan; then the same costs faster. */
 int32_t plfx_zncc_narrow(const plfx_plan *plan);
@@ -78,6 +81,8 @@ void plfx_zncc_start(const plfx_sweep_state *s);
 void plfx_zncc_row_whole(const plfx_sweep_state *s, int32_t p, int32_t y,
                          uint32_t sign);
 void plfx_zncc_cost_narrow(const plfx_sweep_state *s, int32_t p);
+/* Variances v become mantissas (0: none) and exponents, n of them. */
+void plfx_zncc_normalise(const plfx_sweep_state *s, uint32_t *v, int32_t *e, int32_t n);
 /* Winners of s->cost along the row. */
 void plfx_race_row(const plfx_sweep_state *s);
 /* Reference statistics of the current columns; before plfx_zncc_cost(). */
@@ -94,10 +99,10 @@ typedef struct plfx_fused { /* one lens of plenoptic stereo */
     uint8_t flags;
 } plfx_fused;
 
-/* Slope of lens x from its pairs by the plan's rule.  A pair that won at an end of the
- * range does not count unless all did (RANGE_END).  Confidence is the mean over all
- * pairs, those that do not count giving 0; OCCLUDED when more than a third of the
- * counted pairs lie over two labels away. */
+/* Slope of lens x from its pairs by the plan's rule.  A pair that won at an end
+ * of the range does not count unless all did (RANGE_END).  Confidence is the
+ * mean over all pairs, those that do not count giving 0; OCCLUDED when more
+ * than a third of the counted pairs lie over two labels away. */
 plfx_fused plfx_fuse_pairs(const plfx_sweep_state *s, int32_t x);
 
 /* The view of pair p: the p-th one that is not the reference. */

@@ -187,23 +187,29 @@ static void mantissas(const uint32_t *restrict m, const uint32_t *restrict step,
     }
 }
 
+void plfx_zncc_normalise(const plfx_sweep_state *s, uint32_t *v, int32_t *e, int32_t n)
+{
+    plfx_zncc_piece *q = s->rows->piece;
+    int32_t i;
+
+    for (i = 0; i < n; i += PLFX_ZNCC_PIECE) {
+        int32_t k = plfx_min_i32(PLFX_ZNCC_PIECE, n - i);
+        normalise(v + i, q->m, e + i, q->step, k);
+        look_up(s->rows->steps, q->step, k);
+        mantissas(q->m, q->step, v + i, k);
+    }
+}
+
 /* Sums, mantissas and exponents of the windows of n columns of b. */
 static void norms(const plfx_sweep_state *s, size_t at, int32_t n)
 {
     uint32_t w = s->plan->cfg.window;
     int32_t count = n - (int32_t)w + 1;
-    plfx_zncc_piece *q = s->rows->piece;
-    int32_t i;
 
     windows(s, s->b_col + at, s->rows->b_sum, n);
     windows(s, s->bb_col + at, s->rows->b_g, n);
     variances(s->rows->b_sum, s->rows->b_g, count, w * w);
-    for (i = 0; i < count; i += PLFX_ZNCC_PIECE) {
-        int32_t k = plfx_min_i32(PLFX_ZNCC_PIECE, count - i);
-        normalise(s->rows->b_g + i, q->m, s->rows->b_exp + i, q->step, k);
-        look_up(s->rows->steps, q->step, k);
-        mantissas(q->m, q->step, s->rows->b_g + i, k);
-    }
+    plfx_zncc_normalise(s, s->rows->b_g, s->rows->b_exp, count);
 }
 
 /* |cov| < 2^31 and t < 2^15 in size: no shift loses a bit that counts. */
@@ -264,7 +270,7 @@ void plfx_zncc_start(const plfx_sweep_state *s)
         uint32_t here = plfx_rsqrt_table[i];
         s->rows->steps[i] = here << 16 | (here - plfx_rsqrt_table[i + 1]);
     }
-    for (i = 0; i < s->pairs; i++) {
+    for (i = 0; !s->rows->lanes && i < s->pairs; i++) {
         s->rows->whole[i] = plfx_zncc_whole(s->plan, i);
     }
 }

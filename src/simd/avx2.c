@@ -302,12 +302,17 @@ void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *ord
 
     STORE(w.best, best);
     look_beside(sum, SUB(ALL(n), left), &w);
-    if (out->conf) {
+    if (out->conf || out->best) {
         int16_t rest[16];
         lanes16 second = second_best(sum, order, n, left);
         STORE(rest, second);
         STORE(w.tie, SAME(second, best));
-        plfx_won_rate(w.best, rest, out->floor_cost, out->conf);
+        if (out->best) {
+            STORE(out->best, best);
+            STORE(out->rest, second);
+        } else {
+            plfx_won_rate(w.best, rest, out->floor_cost, out->conf);
+        }
     } else { /* a neighbour behind that is as good makes no tie */
         lanes16 beside = AND(SAME(LOAD(w.next), best), OVER(left, ALL(16)));
         STORE(w.tie, OVER(beside, ADD(count, ALL(1))));

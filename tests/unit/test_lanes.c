@@ -80,6 +80,7 @@ static plfx_cfg random_cfg(ref_rng *rng)
 
     memset(&c, 0, sizeof c);
     c.method = (uint8_t)ref_range(rng, 0, 1);
+    c.cost = (uint8_t)(c.method == PLFX_METHOD_PAIRS ? ref_range(rng, 0, 1) : 0);
     c.fit = (uint8_t)ref_range(rng, 0, 1);
     c.fuse = (uint8_t)ref_range(rng, 0, 1);
     c.window = (uint8_t)(2 * ref_range(rng, 1, ref_range(rng, 0, 1) ? 4 : 11) + 1);

@@ -32,6 +32,19 @@ static plfx_map map_of(planes *p, const plfx_plan *plan)
     return m;
 }
 
+/* Views apart by whole columns along the labels: kernels of their own. */
+static void make_whole(plfx_cfg *c, ref_rng *rng)
+{
+    c->labels = (uint16_t)ref_range(rng, 3, 7);
+    for (int32_t k = 0; k < c->n; k++) {
+        c->at[k].u_q8 = (int16_t)(256 * ref_range(rng, -2, 2));
+        c->at[k].v_q8 = 0;
+    }
+    c->at[c->ref].u_q8 = 0;
+    c->slope_min_q16 = 65536 * ref_range(rng, -2, 1);
+    c->slope_max_q16 = c->slope_min_q16 + 65536 * (c->labels - 1);
+}
+
 static plfx_cfg random_cfg(ref_rng *rng)
 {
     plfx_cfg c;
@@ -54,6 +67,11 @@ static plfx_cfg random_cfg(ref_rng *rng)
         c.at[k].u_q8 = (int16_t)ref_range(rng, -1000, 1000);
         c.at[k].v_q8 =
             (int16_t)(ref_range(rng, 0, 1) ? ref_range(rng, -1000, 1000) : 0);
+    }
+    if (ref_range(rng, 0, 3) == 0) {
+        make_whole(&c, rng);
+        c.bits =
+            (uint8_t)(c.cost == PLFX_COST_ZNCC && ref_range(rng, 0, 2) ? 8 : c.bits);
     }
     return c;
 }
