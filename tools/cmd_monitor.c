@@ -216,13 +216,13 @@ static double scale(const job *j, int axis)
 {
     double mm = axis == 2 ? j->r.mm_slope : j->r.mm_lens;
 
-    return (mm > 0 ? mm : 1.0) / ONE;
+    return (mm != 0 ? mm : 1.0) / ONE;
 }
 
 static void csv_head(job *j)
 {
     const char *uv = j->r.mm_lens > 0 ? "mm" : "pitch";
-    const char *w = j->r.mm_slope > 0 ? "mm" : "slope";
+    const char *w = j->r.mm_slope != 0 ? "mm" : "slope";
 
     fprintf(j->csv.file,
             "frame,time_s,region,u_%s,v_%s,w_%s,u_sigma_%s,v_sigma_%s,w_sigma_%s,"
@@ -251,7 +251,7 @@ static void csv_rows(job *j, long number, double time)
         csv_number(f, o->v_q24, scale(j, 1));
         csv_number(f, o->w_q24, scale(j, 2));
         fprintf(f, ",%.5g,%.5g,%.5g,%.4f,%.3f,%u\n", o->u_sigma_q24 * scale(j, 0),
-                o->v_sigma_q24 * scale(j, 1), o->w_sigma_q24 * scale(j, 2),
+                o->v_sigma_q24 * scale(j, 1), o->w_sigma_q24 * fabs(scale(j, 2)),
                 o->light_q12 / 4096.0, o->residual_q8 / 256.0, o->flags);
     }
 }
@@ -507,7 +507,8 @@ static int one_frame(job *j, int k, int *row)
 
 static void print_modes(job *j)
 {
-    double unit = scale(j, j->r.axis) * ONE / (j->r.axis == 2 ? 1048576.0 : 16384.0);
+    double unit =
+        fabs(scale(j, j->r.axis)) * ONE / (j->r.axis == 2 ? 1048576.0 : 16384.0);
     int m;
 
     for (m = 0; m < j->modes; m++) {
@@ -550,7 +551,7 @@ static int run(job *j)
     }
     if (rc == 0 && j->r.uff) {
         rc = plft_uff_write(j->r.uff, j->series, row, j->cfg.regions, 1.0 / j->r.rate,
-                            j->r.mm_lens > 0 && j->r.mm_slope > 0 ? "mm" : "pitch");
+                            j->r.mm_lens > 0 && j->r.mm_slope != 0 ? "mm" : "pitch");
     }
     rc = rc ? rc : plft_out_commit(&j->csv);
     rc = rc || !j->r.packets ? rc : plft_out_commit(&j->packets);

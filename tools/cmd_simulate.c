@@ -99,7 +99,7 @@ static int take(job *j, const shot *s)
     if (path_of(path, sizeof path, j->folder, s->file) || light(j, s)) {
         return PLFT_DATA;
     }
-    plft_sensor_expose(&j->scene->sensor, j->signal, n, j->scene->seed, stream,
+    plft_sensor_expose(&j->scene->sensor, j->signal, NULL, n, j->scene->seed, stream,
                        j->frame.px);
     return plft_png_write(path, &j->frame);
 }

@@ -25,6 +25,7 @@ plft_command plft_cmd_live;
 plft_command plft_cmd_record;
 plft_command plft_cmd_replay;
 plft_command plft_cmd_select_rois;
+plft_command plft_cmd_self_test;
 plft_command plft_cmd_simulate;
 plft_command plft_cmd_views;
 

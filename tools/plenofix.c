@@ -32,6 +32,7 @@ static const entry commands[] = {
     {"record", plft_cmd_record, "frames of a camera into one file"},
     {"replay", plft_cmd_replay, "a recording, frame by frame"},
     {"select-rois", plft_cmd_select_rois, "regions with enough texture, for monitor"},
+    {"self-test", plft_cmd_self_test, "noise floor and scale of regions on the bench"},
     {"monitor", plft_cmd_monitor, "displacement of regions and their modes"},
     {"decode", plft_cmd_decode, "telemetry of monitor, as tables"},
     {"bench", plft_cmd_bench, "time and memory of the core on this machine"},

@@ -73,6 +73,14 @@ cmp w1/motion.csv w2/motion.csv
 [ ! -e w1/scene.png ]
 [ "$(wc -l <w1/motion.csv)" = 4 ]
 grep -q '^frame,time_s,lamp,bend1_mm.*s0_w_mm,s0_col,s0_row,s0_slope$' w1/motion.csv
+# Frames at rest come first: no motion, a steady lamp, noise of their own.
+wing '{"rest": 2, "frames": 1, "flicker": 0.5, "shake_mm": 1, "stations": [[4, 10]],
+    "modes": [{"shape": "bend1", "hz": 6.2, "tip_rms_mm": 1}]}' >w.json
+"$plenofix" simulate w.json -o w3
+[ "$(wc -l <w3/motion.csv)" = 4 ]
+awk -F, 'NR == 2 || NR == 3 {if ($3 != 1 || $4 + $7 + $13 + $14 + $16 != 0) exit 1}
+    NR == 4 {if ($2 != 0 || $4 == 0 || $7 == 0) exit 1}' w3/motion.csv
+! cmp -s w3/frame_00000.png w3/frame_00001.png
 wing '{"modes": [{"shape": "bend9", "hz": 6, "tip_rms_mm": 1}]}' >bad.json
 refused 1 'bend1|bend2|torsion' bad.json -o bad
 wing '{"stations": [[40, 1]]}' >bad.json

@@ -270,7 +270,7 @@ static void noise_is_as_stated(void **state)
     for (i = 0; i < N; i++) {
         signal[i] = 0.5;
     }
-    plft_sensor_expose(&s, signal, N, 3, 1, counts);
+    plft_sensor_expose(&s, signal, NULL, N, 3, 1, counts);
     for (i = 0; i < N; i++) {
         sum += counts[i] - 1698.0;
         square += (counts[i] - 1698.0) * (counts[i] - 1698.0);

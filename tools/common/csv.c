@@ -56,6 +56,7 @@ static int field(const char **p, const char *end, double *v)
 /* Fields of a line into v[]; -1 when one is no number, or there are too many. */
 static int split(const char *p, const char *end, double *v)
 {
+    const char *last = p;
     int n = 0;
 
     p = skip_gaps(p, end);
@@ -63,7 +64,11 @@ static int split(const char *p, const char *end, double *v)
         if (n == PLFT_CSV_COLS_MAX || field(&p, end, &v[n]) != 0) {
             return -1;
         }
+        last = p - 1;
         n++;
+    }
+    if (n > 0 && n < PLFT_CSV_COLS_MAX && is_mark(*last)) { /* an empty last field */
+        v[n++] = (double)NAN;
     }
     return n;
 }

@@ -27,7 +27,7 @@ static double cantilever(double beta, double xi)
 
 typedef struct shape_table {
     int ready;
-    double bend[2][TABLE + 2];
+    double bend[2][TABLE + 2], twist[TABLE + 2];
 } shape_table;
 
 static double from_table(const double *t, double xi)
@@ -48,6 +48,7 @@ static const shape_table *shapes(void)
             double xi = (double)i / TABLE;
             t.bend[0][i] = cantilever(BETA1, xi);
             t.bend[1][i] = -cantilever(BETA2, xi);
+            t.twist[i] = sin(0.5 * PI * xi);
         }
         t.ready = 1;
     }
@@ -63,7 +64,7 @@ double plft_bend_at(const plft_bend *bend, double a, double b)
     xi = xi < 0.0 ? 0.0 : xi > 1.0 ? 1.0 : xi;
     return bend->q[PLFT_SHAPE_BEND1] * from_table(t->bend[0], xi) +
            bend->q[PLFT_SHAPE_BEND2] * from_table(t->bend[1], xi) +
-           bend->q[PLFT_SHAPE_TORSION] * eta * sin(0.5 * PI * xi);
+           bend->q[PLFT_SHAPE_TORSION] * eta * from_table(t->twist, xi);
 }
 
 /* x'' + 2 z w x' + w^2 x = f with f constant over h: exact. */

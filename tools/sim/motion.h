@@ -45,6 +45,7 @@ typedef struct plft_pose { /* of the camera against the world */
 
 typedef struct plft_motion {
     int frames;          /* 0: none */
+    int rest;            /* frames before them in which nothing moves */
     double rate, expose; /* frames a second; seconds of exposure */
     int blur;            /* instants averaged within the exposure */
     int modes;

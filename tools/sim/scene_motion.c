@@ -104,9 +104,11 @@ int plft_scene_motion(plft_scene *scene, const plft_node *root)
     m->shake_hz = 1.3;
     m->flicker_hz = 100.0;
     m->seed = scene->seed;
-    if (plft_node_only(&node, "frames rate_hz exposure_s blur_steps modes shake_mm "
-                              "shake_deg shake_hz flicker flicker_hz stations") ||
+    if (plft_node_only(&node,
+                       "frames rest rate_hz exposure_s blur_steps modes shake_mm "
+                       "shake_deg shake_hz flicker flicker_hz stations") ||
         plft_node_int(&node, "frames", 1, 1000000, &m->frames) ||
+        plft_node_int(&node, "rest", 0, 1000, &m->rest) ||
         real(&node, "rate_hz", 0.01, 1e5, 0, &m->rate) ||
         real(&node, "exposure_s", 0.0, 1.0 / m->rate, 0, &m->expose) ||
         plft_node_int(&node, "blur_steps", 1, PLFT_SUBSTEPS, &m->blur)) {

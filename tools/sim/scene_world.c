@@ -45,8 +45,9 @@ static int read_texture(plft_texture_desc *d, const builder *b, int index)
     d->octaves = 3;
     d->persistence = 0.8;
     if (plft_node_child(&node, b->node, "texture") ||
-        plft_node_only(&node, "pattern mean contrast cell_mm octaves persistence seed "
-                              "pips") ||
+        plft_node_only(&node,
+                       "pattern mean contrast cell_mm octaves persistence soft_mm "
+                       "seed pips") ||
         plft_node_word(&node, "pattern", "none|noise|speckle|checker|domino",
                        &pattern) ||
         real(&node, "mean", 0.0, 1.0, 0, &d->mean) ||
@@ -54,6 +55,7 @@ static int read_texture(plft_texture_desc *d, const builder *b, int index)
         real(&node, "cell_mm", 0.01, 10000.0, 0, &d->cell_mm) ||
         plft_node_int(&node, "octaves", 1, 8, &d->octaves) ||
         real(&node, "persistence", 0.0, 2.0, 0, &d->persistence) ||
+        real(&node, "soft_mm", 0.0, 10000.0, 0, &d->soft_mm) ||
         plft_node_int(&node, "seed", 0, 1000000000, &seed) ||
         plft_node_reals(&node, "pips", 2, 0.0, 6.0, 0, pips)) {
         return PLFT_DATA;

@@ -15,9 +15,11 @@ typedef struct plft_sensor {
     double exposure;   /* part of full scale that a signal of 1 fills */
 } plft_sensor;
 
-/* counts[i] of pixel i = 0 .. n-1 from its expected signal.  `stream` separates the
+/* counts[i] of pixel i = 0 .. n-1 from its expected signal; 0 where mask[i] is 0 (mask
+ * NULL: all pixels).  `stream` separates the
  * noise of frames; the gain of a pixel is the same in all. */
-void plft_sensor_expose(const plft_sensor *sensor, const double *signal, uint32_t n,
-                        uint64_t seed, uint64_t stream, uint16_t *counts);
+void plft_sensor_expose(const plft_sensor *sensor, const double *signal,
+                        const uint8_t *mask, uint32_t n, uint64_t seed, uint64_t stream,
+                        uint16_t *counts);
 
 #endif

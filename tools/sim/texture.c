@@ -7,6 +7,8 @@
 
 #include "sim/rng.h"
 
+#define SOFT_MAX 8 /* texels */
+
 static double clamp(double v, double lo, double hi)
 {
     return v < lo ? lo : v > hi ? hi : v;
@@ -232,6 +234,55 @@ static int draw(double *v, const plft_texture *t, const plft_texture_desc *desc)
     }
 }
 
+/* A line of the periodic tile convolved with taps k[0 .. r], `step` apart. */
+static void soften_line(double *v, int n, size_t step, const double *k, int r,
+                        double *copy)
+{
+    int i, d;
+
+    for (i = 0; i < n; i++) {
+        copy[i] = v[(size_t)i * step];
+    }
+    for (i = 0; i < n; i++) {
+        double sum = k[0] * copy[i];
+        for (d = 1; d <= r; d++) {
+            sum += k[d] * (copy[(i + d) % n] + copy[(i - d + n) % n]);
+        }
+        v[(size_t)i * step] = sum;
+    }
+}
+
+static int soften(double *v, int n, double sigma)
+{
+    double *copy = malloc((size_t)n * sizeof *copy);
+    double k[3 * SOFT_MAX + 1];
+    double sum = 1.0;
+    int r, i;
+
+    if (!copy) {
+        return -1;
+    }
+    sigma = clamp(sigma, 0.1, SOFT_MAX);
+    r = (int)(3.0 * sigma);
+    r = r < n / 2 ? r : n / 2 - 1;
+    k[0] = 1.0;
+    for (i = 1; i <= r; i++) {
+        k[i] = exp(-0.5 * i * i / (sigma * sigma));
+        sum += 2.0 * k[i];
+    }
+    for (i = 0; i <= r; i++) {
+        k[i] /= sum;
+    }
+    for (i = 0; i < n; i++) {
+        soften_line(v + (size_t)i * (size_t)n, n, 1, k, r, copy);
+    }
+    for (i = 0; i < n; i++) {
+        soften_line(v + i, n, (size_t)n, k, r, copy);
+    }
+    free(copy);
+    return 0;
+}
+
 /* sum[y][x]: texels above y and left of x, the tile repeated into the pad. */
 static void integrate(plft_texture *t, const double *v)
 {
@@ -266,6 +317,9 @@ int plft_texture_make(plft_texture *t, const plft_texture_desc *desc, double tex
     v = calloc((size_t)n * (size_t)n, sizeof *v);
     t->sum = calloc((size_t)t->stride * (size_t)t->stride, sizeof *t->sum);
     status = v && t->sum ? draw(v, t, desc) : -1;
+    if (status == 0 && desc->soft_mm > 0.0) {
+        status = soften(v, n, desc->soft_mm / texel_mm);
+    }
     if (status == 0) {
         integrate(t, v);
     } else {

@@ -22,8 +22,9 @@ typedef struct plft_texture_desc {
     double cell_mm;        /* coarsest octave, blob spacing, square of a checker */
     int octaves;           /* noise: each half as large as the one before */
     double persistence;    /* amplitude of an octave relative to the one before */
-    int pips[2];           /* domino: upper and lower half, 0 .. 6 */
-    double face_mm[2];     /* domino: width and height */
+    double soft_mm;    /* Gaussian sigma over the pattern, at most 8 texels; 0: none */
+    int pips[2];       /* domino: upper and lower half, 0 .. 6 */
+    double face_mm[2]; /* domino: width and height */
     uint64_t seed;
 } plft_texture_desc;
 

@@ -4,9 +4,11 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define HEX_SIDE   0.93060485910209960 /* square as large as a hexagon of pitch 1 */
 #define LENS_PARTS 3                   /* of a lens side, at the rim of the pupil */
+#define RAYS_MAX   8                   /* a side */
 #define PIXEL_ROWS 12                  /* of a pixel, at the rim of the pupil */
 
 static double lens_side(const plft_camera *cam)
@@ -207,40 +209,61 @@ static double ray_value(const plft_trace *t, const plft_ray *ray, double part,
            (t->bayer ? hit.quad->rgb[colour] : 1.0);
 }
 
-/* Mean reflectance over the lens aperture and the pixel that pass the pupil.  Share
- * (i,j) of the lens goes with share (j,i) of the pixel, so that both are covered. */
+/* The rays of lens c to a pixel that pass the pupil; one at least.  Share (i,j) of the
+ * lens goes with share (j,i) of the pixel, so that both are covered.  *part is the side
+ * of a share. */
+static int rays_of(const plft_trace *t, const double c[2], double sx, double sy,
+                   plft_ray *ray, double *part)
+{
+    const plft_camera *cam = t->cam;
+    int n = 0;
+    int i, j;
+
+    *part = 1.0 / t->rays;
+    for (j = 0; j < t->rays; j++) {
+        for (i = 0; i < t->rays; i++) {
+            double di = (i + 0.5) * *part - 0.5;
+            double dj = (j + 0.5) * *part - 0.5;
+            ray[n] = plft_trace_ray(cam, c[0] + di * lens_side(cam),
+                                    c[1] + dj * lens_side(cam), c[0], c[1],
+                                    sx + dj * cam->pixel, sy + di * cam->pixel);
+            n +=
+                ray[n].px * ray[n].px + ray[n].py * ray[n].py < t->pupil_r * t->pupil_r;
+        }
+    }
+    if (n == 0) { /* a sliver of the pupil between the rays */
+        ray[n++] = plft_trace_ray(cam, c[0], c[1], c[0], c[1], sx, sy);
+        *part = 1.0;
+    }
+    return n;
+}
+
+/* Mean reflectance over rays. */
+static double mean_of(const plft_trace *t, const plft_ray *ray, int n, double part,
+                      int colour)
+{
+    double sum = 0.0;
+    int k;
+
+    for (k = 0; k < n; k++) {
+        sum += ray_value(t, &ray[k], part, colour);
+    }
+    return sum / n;
+}
+
+/* Mean reflectance over the lens aperture and the pixel that pass the pupil. */
 static double mean_value(const plft_trace *t, const double c[2], double sx, double sy,
                          int colour)
 {
-    const plft_camera *cam = t->cam;
-    double part = 1.0 / t->rays;
-    double sum = 0.0;
-    int passed = 0;
-    int i, j;
+    plft_ray ray[RAYS_MAX * RAYS_MAX];
+    double part;
+    int n = rays_of(t, c, sx, sy, ray, &part);
 
-    for (j = 0; j < t->rays; j++) {
-        for (i = 0; i < t->rays; i++) {
-            double di = (i + 0.5) * part - 0.5;
-            double dj = (j + 0.5) * part - 0.5;
-            plft_ray ray = plft_trace_ray(cam, c[0] + di * lens_side(cam),
-                                          c[1] + dj * lens_side(cam), c[0], c[1],
-                                          sx + dj * cam->pixel, sy + di * cam->pixel);
-            if (ray.px * ray.px + ray.py * ray.py < t->pupil_r * t->pupil_r) {
-                sum += ray_value(t, &ray, part, colour);
-                passed++;
-            }
-        }
-    }
-    if (passed == 0) { /* a sliver of the pupil between the rays */
-        plft_ray ray = plft_trace_ray(cam, c[0], c[1], c[0], c[1], sx, sy);
-        return ray_value(t, &ray, 1.0, colour);
-    }
-    return sum / passed;
+    return mean_of(t, ray, n, part, colour);
 }
 
-/* Light that lens (i,j) sends to the sensor point in mm. */
-static double lens_light(const plft_trace *t, int i, int j, double sx, double sy,
-                         int colour)
+/* Part of a pixel's light that passes lens (i,j) and the pupil. */
+static double lens_cover(const plft_trace *t, int i, int j, double sx, double sy)
 {
     const plft_camera *cam = t->cam;
     size_t at = (size_t)j * (size_t)cam->nx + (size_t)i;
@@ -252,11 +275,17 @@ static double lens_light(const plft_trace *t, int i, int j, double sx, double sy
     double sec2 = 1.0 + tan_x * tan_x + tan_y * tan_y; /* cos^4 law */
     double light = plft_trace_cover(t, ux, uy, c[0], c[1]) * cam->gain[at];
 
-    if (light <= 0.0) {
-        return 0.0;
-    }
-    light /= sec2 * sec2;
-    return t->world ? light * mean_value(t, c, sx, sy, colour) : light;
+    return light > 0.0 ? light / (sec2 * sec2) : 0.0;
+}
+
+/* Light that lens (i,j) sends to the sensor point in mm. */
+static double lens_light(const plft_trace *t, int i, int j, double sx, double sy,
+                         int colour)
+{
+    const double *c = t->cam->centre + 2 * ((size_t)j * (size_t)t->cam->nx + (size_t)i);
+    double light = lens_cover(t, i, j, sx, sy);
+
+    return light > 0.0 && t->world ? light * mean_value(t, c, sx, sy, colour) : light;
 }
 
 double plft_trace_pixel(const plft_trace *t, int x, int y)
@@ -295,23 +324,40 @@ static void gauss_taps(double sigma, double k[4])
     }
 }
 
-static double at_edge(const double *line, int i, int n, size_t step)
+static int at_edge(int i, int n)
 {
-    i = i < 0 ? 0 : i >= n ? n - 1 : i;
-    return line[(size_t)i * step];
+    return i < 0 ? 0 : i >= n ? n - 1 : i;
 }
 
-static void blur_line(const double *in, double *out, int n, size_t step,
-                      const double k[4])
+static void blur_row(const double *in, double *out, int n, const double k[4])
 {
     int i, d;
 
     for (i = 0; i < n; i++) {
-        double sum = k[0] * in[(size_t)i * step];
+        double sum = k[0] * in[i];
         for (d = 1; d < 4; d++) {
-            sum += k[d] * (at_edge(in, i - d, n, step) + at_edge(in, i + d, n, step));
+            sum += k[d] * (in[at_edge(i - d, n)] + in[at_edge(i + d, n)]);
         }
-        out[(size_t)i * step] = sum;
+        out[i] = sum;
+    }
+}
+
+/* Row y of the frame blurred across rows. */
+static void blur_across(const double *in, double *out, int w, int h, int y,
+                        const double k[4])
+{
+    const double *row[7];
+    int x, d;
+
+    for (d = -3; d <= 3; d++) {
+        row[d + 3] = in + (size_t)at_edge(y + d, h) * (size_t)w;
+    }
+    for (x = 0; x < w; x++) {
+        double sum = k[0] * row[3][x];
+        for (d = 1; d < 4; d++) {
+            sum += k[d] * (row[3 - d][x] + row[3 + d][x]);
+        }
+        out[x] = sum;
     }
 }
 
@@ -319,18 +365,17 @@ static int blur_frame(double *signal, int w, int h, double sigma)
 {
     double *other = malloc((size_t)w * (size_t)h * sizeof *other);
     double k[4];
-    int x, y;
+    int y;
 
     if (!other) {
         return -1;
     }
     gauss_taps(sigma, k);
     for (y = 0; y < h; y++) {
-        blur_line(signal + (size_t)y * (size_t)w, other + (size_t)y * (size_t)w, w, 1,
-                  k);
+        blur_row(signal + (size_t)y * (size_t)w, other + (size_t)y * (size_t)w, w, k);
     }
-    for (x = 0; x < w; x++) {
-        blur_line(other + x, signal + x, h, (size_t)w, k);
+    for (y = 0; y < h; y++) {
+        blur_across(other, signal + (size_t)y * (size_t)w, w, h, y, k);
     }
     free(other);
     return 0;
@@ -348,4 +393,113 @@ int plft_trace_frame(const plft_trace *t, double *signal)
         }
     }
     return t->cam->blur > 0.0 ? blur_frame(signal, w, h, t->cam->blur) : 0;
+}
+
+/* ---- beams ---- */
+
+static int beam_room(plft_beams *b)
+{
+    if (b->n == b->room) {
+        size_t room = b->room ? 2 * b->room : 1 << 16;
+        plft_beam *more = realloc(b->beam, room * sizeof *more);
+        if (!more) {
+            return -1;
+        }
+        b->beam = more;
+        b->room = room;
+    }
+    if (b->ray_room - b->rays < RAYS_MAX * RAYS_MAX) {
+        size_t room = b->ray_room ? 2 * b->ray_room : 1 << 16;
+        plft_ray *more = realloc(b->ray, room * sizeof *more);
+        if (!more) {
+            return -1;
+        }
+        b->ray = more;
+        b->ray_room = room;
+    }
+    return 0;
+}
+
+static int beams_of_pixel(plft_beams *b, const plft_trace *t, int x, int y)
+{
+    const plft_camera *cam = t->cam;
+    double sx = (x - 0.5 * (cam->w - 1)) * cam->pixel;
+    double sy = (y - 0.5 * (cam->h - 1)) * cam->pixel;
+    double part;
+    int i0, j0, i, j;
+
+    plft_camera_nearest(cam, sx, sy, &i0, &j0);
+    for (j = j0 - 1; j <= j0 + 1; j++) {
+        for (i = i0 - 1; i <= i0 + 1; i++) {
+            int on = i >= 0 && j >= 0 && i < cam->nx && j < cam->ny;
+            double light = on ? lens_cover(t, i, j, sx, sy) : 0.0;
+            if (light > 0.0) {
+                size_t at = (size_t)j * (size_t)cam->nx + (size_t)i;
+                plft_beam *beam;
+                if (beam_room(b)) {
+                    return -1;
+                }
+                beam = &b->beam[b->n++];
+                beam->pixel = (uint32_t)(y * cam->w + x);
+                beam->light = light;
+                beam->rays = (uint32_t)rays_of(t, cam->centre + 2 * at, sx, sy,
+                                               b->ray + b->rays, &part);
+                beam->part = part;
+                b->rays += beam->rays;
+            }
+        }
+    }
+    return 0;
+}
+
+int plft_beams_make(plft_beams *b, const plft_trace *t, const uint8_t *mask)
+{
+    int x, y;
+
+    b->beam = NULL;
+    b->ray = NULL;
+    b->n = b->rays = b->room = b->ray_room = 0;
+    for (y = 0; y < t->cam->h; y++) {
+        for (x = 0; x < t->cam->w; x++) {
+            int wanted = !mask || mask[(size_t)y * (size_t)t->cam->w + (size_t)x];
+            if (wanted && beams_of_pixel(b, t, x, y)) {
+                plft_beams_free(b);
+                return -1;
+            }
+        }
+    }
+    return 0;
+}
+
+int plft_beams_frame(const plft_beams *b, const plft_trace *t, double *signal)
+{
+    int w = t->cam->w;
+    int h = t->cam->h;
+    const plft_ray *ray = b->ray;
+    size_t k = 0;
+
+    memset(signal, 0, (size_t)w * (size_t)h * sizeof *signal);
+    while (k < b->n) {
+        uint32_t pixel = b->beam[k].pixel;
+        int colour = plft_bayer_colour(t->bayer, (int)(pixel % (uint32_t)w),
+                                       (int)(pixel / (uint32_t)w));
+        double sum = 0.0;
+        for (; k < b->n && b->beam[k].pixel == pixel; k++) {
+            const plft_beam *m = &b->beam[k];
+            sum += t->world ? m->light * mean_of(t, ray, (int)m->rays, m->part, colour)
+                            : m->light;
+            ray += m->rays;
+        }
+        signal[pixel] = t->bayer ? sum * t->colour[colour] : sum;
+    }
+    return t->cam->blur > 0.0 ? blur_frame(signal, w, h, t->cam->blur) : 0;
+}
+
+void plft_beams_free(plft_beams *b)
+{
+    free(b->beam);
+    free(b->ray);
+    b->beam = NULL;
+    b->ray = NULL;
+    b->n = b->rays = b->room = b->ray_room = 0;
 }

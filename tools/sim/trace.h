@@ -4,6 +4,9 @@
 #ifndef PLFT_SIM_TRACE_H
 #define PLFT_SIM_TRACE_H
 
+#include <stddef.h>
+#include <stdint.h>
+
 #include "sim/camera.h"
 #include "sim/world.h"
 
@@ -54,5 +57,29 @@ double plft_trace_pixel(const plft_trace *t, int x, int y);
 /* The whole frame, [h][w]; the blur of cam->blur applied.  0, or -1 when memory is
  * short. */
 int plft_trace_frame(const plft_trace *t, double *signal);
+
+/* What of a frame does not change while things move: which lens lights which pixel, how
+ * much of it passes, and the rays that look. */
+typedef struct plft_beam {
+    uint32_t pixel, rays; /* index y*w + x; how many */
+    double light;
+    double part; /* side of a ray's share of lens and pixel */
+} plft_beam;
+
+typedef struct plft_beams {
+    plft_beam *beam; /* of a pixel one behind the other */
+    plft_ray *ray;   /* of the beams, one behind the other; camera at rest */
+    size_t n, rays;
+    size_t room, ray_room;
+} plft_beams;
+
+/* Of the pixels that mask[y*w + x] names; NULL: all.  0, or -1 when memory is short. */
+int plft_beams_make(plft_beams *b, const plft_trace *t, const uint8_t *mask);
+
+/* As plft_trace_frame(), bit by bit, for the trace that the beams were made of; its
+ * pose and what moves in its world are free.  Pixels off the mask become 0. */
+int plft_beams_frame(const plft_beams *b, const plft_trace *t, double *signal);
+
+void plft_beams_free(plft_beams *b);
 
 #endif

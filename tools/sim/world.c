@@ -17,7 +17,8 @@ void plft_quad_ready(plft_quad *q)
     q->n[2] = q->e1[0] * q->e2[1] - q->e1[1] * q->e2[0];
 }
 
-#define BEND_STEPS 5 /* a bent surface is met by successive planes */
+#define BEND_STEPS 5    /* a bent surface is met by successive planes */
+#define CLOSE      1e-8 /* mm between two that are one */
 
 /* Depth at which a ray meets the plane of a quad lifted against n, and the material
  * point under it.  0: never, or behind the lens. */
@@ -46,10 +47,14 @@ static void meet(const plft_quad *q, const plft_ray *ray, plft_hit *best)
 {
     plft_hit hit;
     int met = on_plane(q, ray, 0.0, &hit);
+    double lift = 0.0, last = 1.0;
     int k;
 
-    for (k = 0; q->bend != NULL && met && k < BEND_STEPS; k++) {
-        met = on_plane(q, ray, plft_bend_at(q->bend, hit.a, hit.b), &hit);
+    for (k = 0; q->bend != NULL && met && k < BEND_STEPS && fabs(lift - last) > CLOSE;
+         k++) {
+        last = lift;
+        lift = plft_bend_at(q->bend, hit.a, hit.b);
+        met = on_plane(q, ray, lift, &hit);
     }
     if (met && hit.z < best->z && (q->w <= 0.0 || (hit.a >= 0.0 && hit.a <= q->w)) &&
         (q->h <= 0.0 || (hit.b >= 0.0 && hit.b <= q->h))) {
