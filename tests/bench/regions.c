@@ -157,6 +157,9 @@ int main(int argc, char **argv)
     printf("workspace %zu bytes of %zu that the macro reserves, state %zu\n",
            plfx_roi_ws(&cfg), (size_t)PLFX_ROI_WS(REGIONS, 7u, 9u, VIEWS, 0, NX),
            sizeof roi);
+    judge("multiply-adds a second at 200 Hz, millions",
+          200e-6 * REGIONS * (VIEWS * 63.0 * 7 + 1400), 60);
+    judge("static memory, MiB", (double)(plfx_roi_ws(&cfg) + sizeof roi) / 1048576, 1);
     if (still_noise(frames) || moving(moves, 0, "w of 2 mm") ||
         moving(moves, 0.05, "and 0.05 lens in the plane") ||
         moving(moves, 0.45, "and 0.45 lens in the plane") ||
