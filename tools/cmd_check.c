@@ -13,12 +13,11 @@
 #include "common/table.h"
 
 #define DEGREES 57.295779513082320877
-
-enum { BAYER_AUTO = 0, BAYER_NONE = 1 }; /* index in the option's words */
+#define LENSES  2048
 
 typedef struct options {
     const char *raw, *lut;
-    int bayer, bits, json;
+    int bits, json;
 } options;
 
 static int parse(int argc, char **argv, options *o, int *helped)
@@ -28,8 +27,6 @@ static int parse(int argc, char **argv, options *o, int *helped)
         "Shift, rotation and scale of the lens lattice of a frame against a table."};
     const plft_option table[] = {
         {"--lut", PLFT_TEXT, NULL, "CAM.plut", 0, 0, "the table"},
-        {"--bayer", PLFT_WORD, NULL, "auto|none|rggb|grbg|gbrg|bggr", 0, 0,
-         "colour mosaic of the frame (auto)"},
         {"--bits", PLFT_INT, NULL, "N", 8, 16, "significant bits (as the file)"},
         {"--json", PLFT_FLAG, NULL, NULL, 0, 0, "figures as JSON"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
@@ -38,34 +35,13 @@ static int parse(int argc, char **argv, options *o, int *helped)
 
     memcpy(t, table, sizeof table);
     t[0].target = &o->lut;
-    t[1].target = &o->bayer;
-    t[2].target = &o->bits;
-    t[3].target = &o->json;
+    t[1].target = &o->bits;
+    t[2].target = &o->json;
     status = plft_args(argc, argv, &usage, t, &o->raw, 1, &n, helped);
     if (status == 0 && !*helped && (n != 1 || o->lut == NULL)) {
         status = plft_fail(PLFT_USAGE, "check wants a frame and --lut CAM.plut");
     }
     return status;
-}
-
-static int load(plft_grey *g, const options *o)
-{
-    plft_frame f;
-    int status;
-
-    memset(&f, 0, sizeof f);
-    status = plft_frame_read(&f, o->raw, o->bits);
-    if (status != 0) {
-        return status;
-    }
-    plft_frame_to_grey(&f);
-    plft_grey_take(g, f.px, f.w, f.h, f.bits);
-    plft_grey_finish(g, NULL);
-    if (o->bayer > BAYER_NONE || (o->bayer == BAYER_AUTO && plft_grey_is_mosaic(g))) {
-        plft_grey_merge_mosaic(g);
-    }
-    plft_grey_drop_hot(g);
-    return 0;
 }
 
 static int print_json(const plft_drift *d)
@@ -99,29 +75,32 @@ static int print_text(const plft_drift *d)
 int plft_cmd_check(int argc, char **argv)
 {
     options o;
-    plft_grey grey;
+    plft_frame frame;
     plft_table table;
     plft_drift drift;
     int helped = 0;
     int status;
 
     memset(&o, 0, sizeof o);
-    memset(&grey, 0, sizeof grey);
+    memset(&frame, 0, sizeof frame);
     memset(&table, 0, sizeof table);
     status = parse(argc, argv, &o, &helped);
     if (status == 0 && !helped) {
         status = plft_table_read(&table, o.lut);
         if (status == 0) {
-            status = load(&grey, &o);
+            status = plft_frame_read(&frame, o.raw, o.bits);
         }
-        if (status == 0 && plft_drift_find(&drift, &table.lut, &grey) != 0) {
+        if (status == 0) {
+            plft_frame_to_grey(&frame);
+        }
+        if (status == 0 && plft_drift_find(&drift, &table.lut, &frame, LENSES) != 0) {
             status = plft_fail(PLFT_DATA, "%s: %s", o.raw, drift.reason);
         }
         if (status == 0) {
             status = o.json ? print_json(&drift) : print_text(&drift);
         }
     }
-    plft_grey_free(&grey);
+    plft_frame_free(&frame);
     plft_table_free(&table);
     return status;
 }

@@ -12,7 +12,8 @@ import sys
 import common
 
 FLOORS = [['base', 'version'], ['image', 'raw'], ['fuse', 'lut'], ['view'], ['plan'],
-          ['sweep', 'gradient', 'depth', 'refocus', 'roi', 'modal', 'packet'],
+          ['sweep', 'gradient', 'depth', 'refocus', 'roi', 'modal', 'packet',
+           'drift'],
           ['stream', 'frame', 'viewcheck'], ['preset'], ['plenofix'], ['port', 'cl']]
 FLOOR = {name: n for n, names in enumerate(FLOORS) for name in names}
 SYSTEM = {'stdint.h', 'stddef.h', 'string.h'}

@@ -19,6 +19,8 @@ FRAME = {'arms', 'frame', 'frame_flags', 'median', 'preset', 'refine', 'sgm',
          'viewcheck', 'winner_row'}
 MOTION_LIMIT = 28 * 1024  # the same of regions, modes, packets, linked on their own
 MOTION = re.compile(r'(roi|modal|packet)(_|$)|ln$')
+HEALTH_LIMIT = 12 * 1024  # the same of drift.h, a check of its own
+HEALTH = {'drift', 'drift_lens'}
 STACK_LIMIT = 1024       # bytes, deepest path below a public function
 COMPILER = common.ARM + 'gcc'
 BUILD = [*common.ARM_M7, '-O2', '-ffunction-sections', '-fdata-sections']
@@ -83,15 +85,17 @@ def budgets(now):
     text = {n: v for (kind, n), v in now.items() if kind == 'text'}
     frame = sum(v for n, v in text.items() if n in FRAME)
     motion = sum(v for n, v in text.items() if MOTION.match(n))
-    code = sum(text.values()) - frame - motion
+    health = sum(v for n, v in text.items() if n in HEALTH)
+    code = sum(text.values()) - frame - motion - health
     worst = max(((v, n) for (k, n), v in now.items() if k == 'stack'), default=(0, '-'))
     print(f'code {code} of {CODE_LIMIT} bytes, frame {frame} of {FRAME_LIMIT}, structural '
-          f'motion {motion} of {MOTION_LIMIT}; '
+          f'motion {motion} of {MOTION_LIMIT}, drift {health} of {HEALTH_LIMIT}; '
           f'deepest stack {worst[0]} of {STACK_LIMIT} bytes ({worst[1]})')
     findings = [f'{n}: {v} bytes of stack, at most {STACK_LIMIT}'
                 for (k, n), v in sorted(now.items()) if k == 'stack' and v > STACK_LIMIT]
     for what, size, limit in (('core', code, CODE_LIMIT), ('frame.h', frame, FRAME_LIMIT),
-                              ('structural motion', motion, MOTION_LIMIT)):
+                              ('structural motion', motion, MOTION_LIMIT),
+                              ('drift.h', health, HEALTH_LIMIT)):
         if size > limit:
             findings.append(f'code of {what}: {size} bytes, at most {limit}')
     return findings

@@ -11,6 +11,7 @@
 #include "plenofix/view.h"
 #include "plenofix/plan.h"
 #include "plenofix/sweep.h"
+#include "plenofix/drift.h"
 #include "plenofix/frame.h"
 #include "plenofix/preset.h"
 #include "plenofix/viewcheck.h"

@@ -187,7 +187,8 @@ static void one(const draw_spec *s, const limits *l)
 }
 
 static const draw_spec plain = {DRAW_DOTS, 0,   60,    40,  15.0, 0.0, 20.3, 19.7, 1.6,
-                                8,         0.8, 0.004, 0.0, 0.0,  0.0, 1.0,  0.0,  1};
+                                8,         0.8, 0.004, 0.0, 0.0,  0.0, 1.0,  0.0,  1,
+                                0.0,       0.0, 0.0,   0.0, 0.0,  0.0, 0.0};
 
 static void head(const char *title)
 {

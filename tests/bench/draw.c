@@ -100,6 +100,32 @@ static void distort(draw_frame *f, const draw_spec *s)
     }
 }
 
+static void move(draw_frame *f, const draw_spec *s)
+{
+    const double cx = 0.5 * (f->w - 1), cy = 0.5 * (f->h - 1);
+    int k;
+
+    for (k = 0; k < f->lenses; k++) {
+        double x = f->xy[2 * k] - cx, y = f->xy[2 * k + 1] - cy;
+        f->xy[2 * k] += s->shift_x + s->grow * x - s->turn * y;
+        f->xy[2 * k + 1] += s->shift_y + s->turn * x + s->grow * y;
+    }
+}
+
+/* A smooth random world, 1 - scene .. 1; (u,v) in lens pitches. */
+static double world(const draw_spec *s, double u, double v)
+{
+    double sum = 0.0;
+    int k;
+
+    for (k = 0; k < 12; k++) {
+        const double angle = 2.4 * k + 0.1 * s->seed, wave = 2.0 * PI / (2.5 + 1.7 * k);
+        sum += cos(wave * (u * cos(angle) + v * sin(angle)) + 1.7 * k * k + s->seed);
+    }
+    sum = 0.5 + sum / 6.0;
+    return 1.0 - s->scene * (sum < 0.0 ? 0.0 : sum > 1.0 ? 1.0 : sum);
+}
+
 static double light(const draw_frame *f, const draw_spec *s, double x, double y)
 {
     double t = (x + y) / (f->w + f->h);
@@ -113,6 +139,7 @@ static double light(const draw_frame *f, const draw_spec *s, double x, double y)
 static void add_spot(const draw_frame *f, const draw_spec *s, float *im, double cx,
                      double cy, double level)
 {
+    const double far = s->slope * s->pitch;
     const int r =
         (int)ceil(s->spot == DRAW_DOTS ? 6.0 * s->sigma : 0.5 * s->pitch + 1.0);
     const int x0 = (int)floor(cx + 0.5), y0 = (int)floor(cy + 0.5);
@@ -121,11 +148,53 @@ static void add_spot(const draw_frame *f, const draw_spec *s, float *im, double 
     for (y = y0 - r; y <= y0 + r; y++) {
         for (x = x0 - r; x <= x0 + r; x++) {
             if (x >= 0 && y >= 0 && x < f->w && y < f->h) {
+                const double seen = s->scene > 0.0
+                                        ? world(s, (cx + far * (x - cx)) / s->pitch,
+                                                (cy + far * (y - cy)) / s->pitch)
+                                        : 1.0;
                 im[(size_t)y * (size_t)f->w + (size_t)x] +=
-                    (float)(level * pixel(s, x - cx, y - cy));
+                    (float)(level * seen * pixel(s, x - cx, y - cy));
             }
         }
     }
+}
+
+/* Gaussian of `spread` px along one axis, `step` apart. */
+static void blur_line(float *line, int n, int step, double spread, float *copy)
+{
+    int k, d;
+
+    for (k = 0; k < n; k++) {
+        copy[k] = line[(size_t)k * (size_t)step];
+    }
+    for (k = 0; k < n; k++) {
+        double sum = 0.0, weight = 0.0;
+        for (d = -12; d <= 12; d++) {
+            if (k + d >= 0 && k + d < n) {
+                const double w = exp(-0.5 * d * d / (spread * spread));
+                sum += w * copy[k + d];
+                weight += w;
+            }
+        }
+        line[(size_t)k * (size_t)step] = (float)(sum / weight);
+    }
+}
+
+static void blur(const draw_frame *f, double spread, float *im)
+{
+    float *copy = malloc((size_t)(f->w + f->h) * sizeof *copy);
+    int k;
+
+    if (copy == NULL) {
+        abort();
+    }
+    for (k = 0; k < f->h; k++) {
+        blur_line(im + (size_t)k * (size_t)f->w, f->w, 1, spread, copy);
+    }
+    for (k = 0; k < f->w; k++) {
+        blur_line(im + k, f->h, f->w, spread, copy);
+    }
+    free(copy);
 }
 
 static void expose(const draw_frame *f, const draw_spec *s, const float *im)
@@ -159,6 +228,7 @@ void draw(draw_frame *f, const draw_spec *s)
     }
     place(f, s);
     distort(f, s);
+    move(f, s);
     f->px = malloc((size_t)f->w * (size_t)f->h * sizeof *f->px);
     im = calloc((size_t)f->w * (size_t)f->h, sizeof *im);
     if (f->px == NULL || im == NULL) {
@@ -170,6 +240,9 @@ void draw(draw_frame *f, const draw_spec *s)
         if (f->state[k] == 0) {
             add_spot(f, s, im, x, y, s->level * l);
         }
+    }
+    if (s->spread > 0.0) {
+        blur(f, s->spread, im);
     }
     expose(f, s, im);
     free(im);

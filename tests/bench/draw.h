@@ -25,6 +25,10 @@ typedef struct draw_spec {
     double gradient;     /* brightest over darkest side, 1: even */
     double black;        /* share of the field without light, at the right */
     unsigned seed;
+    double shift_x, shift_y, turn, grow; /* moved about the middle: px, radians, part */
+    double scene;  /* contrast of the scene that the lenses see, 0: white .. 1 */
+    double slope;  /* its slope, lens pitches a pixel */
+    double spread; /* of the light over neighbouring pixels, sigma in px */
 } draw_spec;
 
 typedef struct draw_frame {

@@ -167,6 +167,53 @@ static uint32_t run_lut(void)
     return golden_end(&c);
 }
 
+/* Round lenses a fifth of a pixel off the table of the scene. */
+static uint32_t run_drift(void)
+{
+    plfx_raw raw = scene_raw();
+    golden_crc c;
+    plfx_drift d;
+    plfx_lut lut;
+    int32_t k;
+    int32_t x;
+    int32_t y;
+
+    if (scene_make(PLFX_LATTICE_HEX, &lut) == 0) {
+        return 0;
+    }
+    memset(scene_frame, 0, sizeof scene_frame);
+    for (k = 0; k < CELLS; k++) {
+        plfx_point p = plfx_lut_centre(&lut, k % SCENE_NX, k / SCENE_NX);
+        int32_t x_q4 = plfx_asr_i32(p.x_q16, 12) + 3;
+        int32_t y_q4 = plfx_asr_i32(p.y_q16, 12) - 2;
+        for (y = y_q4 / 16 - 4; y <= y_q4 / 16 + 5; y++) {
+            for (x = x_q4 / 16 - 4; x <= x_q4 / 16 + 5; x++) {
+                int32_t dx = 16 * x - x_q4;
+                int32_t dy = 16 * y - y_q4;
+                int32_t v = 3600 - (dx * dx + dy * dy) / 2;
+                if (v > 0 && x >= 0 && y >= 0 && x < SCENE_W && y < SCENE_H) {
+                    scene_frame[y * SCENE_W + x] = (uint16_t)v;
+                }
+            }
+        }
+    }
+    if (plfx_drift_find(&lut, &raw, 300, scene_ws(), SCENE_WS, &d) != PLFX_OK ||
+        d.state != PLFX_DRIFT_MEASURED) {
+        return 0;
+    }
+    golden_begin(&c);
+    golden_add(&c, (uint32_t)d.shift_x_q20, 4);
+    golden_add(&c, (uint32_t)d.shift_y_q20, 4);
+    golden_add(&c, (uint32_t)d.rotation_q30, 4);
+    golden_add(&c, (uint32_t)d.scale_q30, 4);
+    golden_add(&c, (uint32_t)d.shift_sigma_q20, 4);
+    golden_add(&c, (uint32_t)d.rotation_sigma_q30, 4);
+    golden_add(&c, (uint32_t)d.scale_sigma_q30, 4);
+    golden_add(&c, (uint32_t)d.rms_q20, 4);
+    golden_add(&c, (uint32_t)d.lenses, 4);
+    return golden_end(&c);
+}
+
 static uint32_t run_view(void)
 {
     plfx_lut lut;
@@ -439,6 +486,7 @@ const golden_stage golden_stages[] = {
     {"depth", run_depth, 0x1a0032e8u},
     {"stream small", run_stream_small, 0xab2cfd99u},
     {"stream fast", run_stream_fast, 0xab2cfd99u},
+    {"drift", run_drift, 0x44bbf029u},
     {"packet", run_packet, 0xc2bb28a9u},
     {"regions", golden_regions, 0x1fd57e14u},
     {"modes", golden_modes, 0xf5ba4dcfu},

@@ -19,7 +19,8 @@
 #include "plenofix/lut.h"
 
 static const draw_spec plain = {DRAW_DOTS, 0,   22,    18,  13.0, 0.4, 20.3, 19.7, 1.5,
-                                8,         0.8, 0.004, 0.0, 0.0,  0.0, 1.0,  0.0,  5};
+                                8,         0.8, 0.004, 0.0, 0.0,  0.0, 1.0,  0.0,  5,
+                                0.0,       0.0, 0.0,   0.0, 0.0,  0.0, 0.0};
 
 static unsigned seed = 12345u;
 
@@ -311,6 +312,7 @@ static void drift_is_measured(void **state)
     plft_calib c;
     plft_saved saved;
     plft_drift d;
+    plft_frame frame;
     plfx_lut lut;
     uint8_t *blob;
     size_t bytes;
@@ -322,15 +324,20 @@ static void drift_is_measured(void **state)
     blob = malloc(bytes);
     assert_int_equal(plfx_lut_write(&saved.desc, blob, bytes), PLFX_OK);
     assert_int_equal(plfx_lut_open(&lut, blob, bytes), PLFX_OK);
-    assert_int_equal(plft_drift_find(&d, &lut, &g), 0);
+    frame.px = g.px;
+    frame.w = g.w;
+    frame.h = g.h;
+    frame.channels = 1;
+    frame.bits = 16;
+    assert_int_equal(plft_drift_find(&d, &lut, &frame, 1024), 0);
     assert_int_equal(d.moved, 0);
     lut.lattice.origin.x_q16 -= 65536 / 4; /* the table says 1/4 px too far left */
-    assert_int_equal(plft_drift_find(&d, &lut, &g), 0);
+    assert_int_equal(plft_drift_find(&d, &lut, &frame, 1024), 0);
     assert_int_equal(d.moved, 1);
     assert_true(fabs(d.shift_x - 0.25) < 0.002 && fabs(d.shift_y) < 0.002);
     assert_true(fabs(d.shift_x - 0.25) < 4.0 * d.shift_sigma + 1e-4);
     lut.sensor_w++;
-    assert_int_equal(plft_drift_find(&d, &lut, &g), -1);
+    assert_int_equal(plft_drift_find(&d, &lut, &frame, 1024), -1);
     free(blob);
     plft_saved_free(&saved);
     release(&f, &g, &c);
