@@ -73,23 +73,30 @@ static void unpack_row(const png_byte *row, int depth, size_t n, uint16_t *px)
     }
 }
 
+/* Where the bytes of row y wait in the frame itself: at the end of its samples, so that
+ * unpacking them from the left reads each before it is written over. */
+static png_byte *waiting(const plft_frame *frame, int y, size_t n, size_t bytes)
+{
+    return (png_byte *)(frame->px + (size_t)y * n) + (2 * n - bytes);
+}
+
 /* Whole images only: interlaced files deliver rows in passes.  No object with a
  * destructor lives here: libpng leaves by longjmp. */
-static int read_rows(png_structp png, png_infop info, plft_frame *frame, png_byte *all)
+static int read_rows(png_structp png, png_infop info, plft_frame *frame)
 {
     size_t n = (size_t)frame->w * (size_t)frame->channels;
-    size_t bytes = png_get_rowbytes(png, info);
+    size_t bytes = png_get_rowbytes(png, info); /* n or 2n */
     int passes = png_set_interlace_handling(png);
     int pass, y;
 
     for (pass = 0; pass < passes; pass++) {
         for (y = 0; y < frame->h; y++) {
-            png_read_row(png, all + (size_t)y * bytes, NULL);
+            png_read_row(png, waiting(frame, y, n, bytes), NULL);
         }
     }
     png_read_end(png, NULL);
     for (y = 0; y < frame->h; y++) {
-        unpack_row(all + (size_t)y * bytes, png_get_bit_depth(png, info), n,
+        unpack_row(waiting(frame, y, n, bytes), png_get_bit_depth(png, info), n,
                    frame->px + (size_t)y * n);
     }
     frame->bits = png_get_bit_depth(png, info);
@@ -97,7 +104,7 @@ static int read_rows(png_structp png, png_infop info, plft_frame *frame, png_byt
 }
 
 static int read_png(png_structp png, png_infop info, source *s, plft_frame *frame,
-                    png_byte **rows, const char *name)
+                    const char *name)
 {
     if (setjmp(png_jmpbuf(png)) != 0) {
         return plft_fail(PLFT_DATA, "%s: damaged PNG: %s; copy it again", name, s->why);
@@ -109,8 +116,7 @@ static int read_png(png_structp png, png_infop info, source *s, plft_frame *fram
                          name) != 0) {
         return PLFT_DATA;
     }
-    *rows = (png_byte *)plft_alloc((size_t)frame->h, png_get_rowbytes(png, info));
-    return *rows == NULL ? PLFT_DATA : read_rows(png, info, frame, *rows);
+    return read_rows(png, info, frame);
 }
 
 int plft_png_parse(plft_frame *frame, const unsigned char *bytes, size_t n,
@@ -120,7 +126,6 @@ int plft_png_parse(plft_frame *frame, const unsigned char *bytes, size_t n,
     png_structp png =
         png_create_read_struct(PNG_LIBPNG_VER_STRING, &s, on_error, on_warning);
     png_infop info = png == NULL ? NULL : png_create_info_struct(png);
-    png_byte *rows = NULL;
     int rc;
 
     memset(frame, 0, sizeof *frame);
@@ -130,9 +135,8 @@ int plft_png_parse(plft_frame *frame, const unsigned char *bytes, size_t n,
     }
     png_set_user_limits(png, PLFT_SIDE_MAX, PLFT_SIDE_MAX);
     png_set_read_fn(png, &s, on_read);
-    rc = read_png(png, info, &s, frame, &rows, name);
+    rc = read_png(png, info, &s, frame, name);
     png_destroy_read_struct(&png, &info, NULL);
-    free(rows);
     if (rc != 0) {
         plft_frame_free(frame);
     }
