@@ -12,8 +12,10 @@
 #include "common/out.h"
 
 typedef struct line {
-    double inv0, gain; /* dioptres */
+    double inv0, gain;             /* dioptres */
+    double inv0_sigma, gain_sigma; /* 1-sigma; 0 with two targets */
     double rms_mm, worst_mm;
+    double near_mm, far_mm; /* the targets' range */
 } line;
 
 typedef struct targets {
@@ -78,20 +80,37 @@ static int fit(const targets *t, line *l)
     }
     l->inv0 = (s2 * t0 - s1 * t1) / det;
     l->gain = (s0 * t1 - s1 * t0) / det;
-    l->worst_mm = 0.0;
+    l->near_mm = l->far_mm = 1000.0 * metres_at(t, 0);
     for (k = 0; k < n; k++) {
         double inv = l->inv0 + l->gain * slope_at(t, k);
         double e = 1000.0 * (1.0 / inv - metres_at(t, k));
         sum += e * e;
         l->worst_mm = fmax(l->worst_mm, fabs(e));
+        l->near_mm = fmin(l->near_mm, 1000.0 * metres_at(t, k));
+        l->far_mm = fmax(l->far_mm, 1000.0 * metres_at(t, k));
     }
     l->rms_mm = sqrt(sum / (double)n);
+    if (n > 2) { /* residuals' variance in metres^2 is that of a unit weight */
+        const double variance = 1e-6 * sum / (double)(n - 2);
+        l->inv0_sigma = sqrt(variance * s2 / det);
+        l->gain_sigma = sqrt(variance * s0 / det);
+    }
     return 0;
+}
+
+/* What a hundredth of slope is at a distance: |gain| d^2, mm. */
+static double resolution_mm(const line *l, double mm)
+{
+    return 0.01 * fabs(l->gain) * mm * mm / 1000.0;
 }
 
 static int write_line(const line *l, const char *path)
 {
-    json_t *root = json_pack("{s:f,s:f}", "inv0", l->inv0, "gain", l->gain);
+    json_t *root = json_pack(
+        "{s:f,s:f,s:f,s:f,s:f,s:f,s:[ff],s:[ff]}", "inv0", l->inv0, "gain", l->gain,
+        "inv0_sigma", l->inv0_sigma, "gain_sigma", l->gain_sigma, "rms_mm", l->rms_mm,
+        "worst_mm", l->worst_mm, "range_mm", l->near_mm, l->far_mm, "mm_per_hundredth",
+        resolution_mm(l, l->near_mm), resolution_mm(l, l->far_mm));
     int rc = root == NULL ? plft_fail(PLFT_DATA, "out of memory")
                           : plft_json_write(path, root);
 
@@ -103,9 +122,10 @@ static int run(const char *csv_path, const char *out)
 {
     plft_csv csv;
     targets t;
-    line l = {0.0, 0.0, 0.0, 0.0};
+    line l;
     int rc = plft_csv_read(&csv, csv_path);
 
+    memset(&l, 0, sizeof l);
     if (rc != 0) {
         return rc;
     }
@@ -121,6 +141,13 @@ static int run(const char *csv_path, const char *out)
             "%s: 1/d = %.5f %+.5f D dioptres; %zu targets, error %.3f mm rms, %.3f mm "
             "at most\n",
             out, l.inv0, l.gain, csv.rows, l.rms_mm, l.worst_mm);
+        if (csv.rows > 2) {
+            printf("1-sigma %.5f and %.5f dioptres\n", l.inv0_sigma, l.gain_sigma);
+        }
+        printf(
+            "from %.1f to %.1f mm; a hundredth of slope is %.3f mm near, %.3f mm far\n",
+            l.near_mm, l.far_mm, resolution_mm(&l, l.near_mm),
+            resolution_mm(&l, l.far_mm));
     }
     plft_csv_free(&csv);
     return rc;

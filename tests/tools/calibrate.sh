@@ -105,3 +105,18 @@ for bad in noise.png few.png; do
     "$plenofix" check $bad --lut cam.plut >out.txt 2>err.txt || status=$?
     [ "$status" = 1 ] && [ "$(wc -l <err.txt)" = 1 ]
 done
+
+# Optics: the line through targets, its errors, its range.
+"$plenofix" optics - -o o.json >out.txt 2>/dev/null && exit 1
+printf 'slope,distance_mm\n0.1,1428.6\n0.05,870.0\n0.0,625.5\n-0.05,487.5\n-0.1,400.2\n' >t.csv
+"$plenofix" optics t.csv -o o.json >out.txt
+has out.txt "^1-sigma"
+has out.txt "a hundredth of slope is"
+python3 - <<'PY'
+import json
+o = json.load(open("o.json"))
+assert abs(o["inv0"] - 1.6) < 4 * o["inv0_sigma"] and o["inv0_sigma"] < 0.01, o
+assert abs(o["gain"] + 9.0) < 4 * o["gain_sigma"] and o["gain_sigma"] < 0.1, o
+assert o["range_mm"] == [400.2, 1428.6], o
+assert abs(o["mm_per_hundredth"][0] - 14.4) < 0.2, o
+PY

@@ -304,6 +304,40 @@ static void gains_flatten_a_white_frame(void **state)
     release(&f, &g, &c);
 }
 
+/* Light that spreads over lens borders takes the default radius down. */
+static void crosstalk_lowers_the_radius(void **state)
+{
+    double radius[2];
+    int k;
+
+    (void)state;
+    for (k = 0; k < 2; k++) {
+        draw_spec s = plain;
+        draw_frame f;
+        plft_grey g;
+        plft_calib c;
+        s.spot = DRAW_FLAT;
+        s.pitch = 24.0;
+        s.nx = 14;
+        s.ny = 12;
+        s.spread = k == 0 ? 0.3 : 2.6;
+        assert_int_equal(calibrate(&s, &f, &g, &c), 0);
+        assert_int_equal(c.input, PLFT_INPUT_WHITE);
+        radius[k] = c.usable_radius;
+        print_message("# radius %.2f of %.2f, cross-talk %.3f\n", c.usable_radius,
+                      c.edge_radius, c.crosstalk);
+        if (k == 0) {
+            assert_true(fabs(radius[0] - (c.edge_radius - 2.5)) < 1e-9);
+        } else { /* a neighbour's straight edge, spread, adds about 2 % there */
+            const double off = 24.0 - 0.46 * 24.0 - radius[1];
+            const double light = 0.5 * 0.75 * erfc(off / (2.6 * sqrt(2.0)));
+            assert_true(radius[1] < c.edge_radius - 2.5 - 0.2);
+            assert_true(light < 0.025 && light > 0.002);
+        }
+        release(&f, &g, &c);
+    }
+}
+
 static void drift_is_measured(void **state)
 {
     draw_spec s = plain;
@@ -354,6 +388,7 @@ int main(void)
         cmocka_unit_test(straight_columns_are_turned),
         cmocka_unit_test(frames_dark_and_mosaic),
         cmocka_unit_test(gains_flatten_a_white_frame),
+        cmocka_unit_test(crosstalk_lowers_the_radius),
         cmocka_unit_test(drift_is_measured),
     };
 

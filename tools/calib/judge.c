@@ -13,7 +13,8 @@
 #define DIM     0.125
 #define MATCH   0.25
 #define CUT     4.5
-#define MARGIN  2.5 /* default usable radius: that much inside the micro-image, px */
+#define MARGIN  2.5   /* default usable radius: that much inside the micro-image, px */
+#define STRAY_Z 2.054 /* deviations that leave 2 % of a blurred edge */
 #define DEGREES 57.295779513082320877
 
 static int fail(plft_calib *c, const char *reason)
@@ -220,6 +221,22 @@ static double radius_at(const plft_calib *c, double top, double floor_, double p
     return r;
 }
 
+/* Largest radius at which a neighbour adds at most 2 % of a lens' light.  A lens'
+ * edge, blurred by sigma, falls from 3/4 to 1/2 over 0.674 sigma; at the border its
+ * share is half of the cross-talk, z sigma outside its edge, and z grows by one with
+ * each sigma inside the border. */
+static double clean_radius(const plft_calib *c, double top, double black)
+{
+    const double sigma =
+        (radius_at(c, top, black, 0.5) - radius_at(c, top, black, 0.75)) / 0.674;
+    double z = 0.0;
+
+    while (z < 4.0 && 0.5 * erfc(z / sqrt(2.0)) > 0.5 * c->crosstalk) {
+        z += 0.01;
+    }
+    return 0.5 * c->pitch - sigma * fmax(0.0, STRAY_Z - z);
+}
+
 /* Input kind of a mean profile; radii; cross-talk. */
 static void profile(plft_calib *c, const plft_grey *g, double wanted)
 {
@@ -238,14 +255,17 @@ static void profile(plft_calib *c, const plft_grey *g, double wanted)
     soft = radius_at(c, top, low, 0.25) - radius_at(c, top, low, 0.75);
     c->edge_radius =
         c->input == PLFT_INPUT_WHITE && soft < 0.35 * half ? half : 0.5 * c->pitch;
-    c->usable_radius =
-        wanted > 0.0 ? wanted : fmax(c->edge_radius - MARGIN, 0.25 * c->pitch);
     edge = plft_shape_at(&c->shape, c->shape.centre.x + 0.5 * a.x,
                          c->shape.centre.y + 0.5 * a.y);
     c->crosstalk = fmax(0.0, edge - g->pedestal) /
                    fmax(plft_shape_at(&c->shape, c->shape.centre.x, c->shape.centre.y) -
                             g->pedestal,
                         1.0);
+    c->usable_radius = c->edge_radius - MARGIN;
+    if (c->input == PLFT_INPUT_WHITE) {
+        c->usable_radius = fmin(c->usable_radius, clean_radius(c, top, g->pedestal));
+    }
+    c->usable_radius = wanted > 0.0 ? wanted : fmax(c->usable_radius, 0.25 * c->pitch);
     c->peak = top - low;
 }
 
