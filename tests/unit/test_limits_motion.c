@@ -234,6 +234,26 @@ static void modal_watch_arguments(void **state)
     assert_int_equal(plfx_modal_watch_init(&w, &m, 10000, 20000, 2560), OK);
 }
 
+static void modal_read_arguments(void **state)
+{
+    static plfx_modal m;
+    plfx_mode mode;
+
+    (void)state;
+    mark(&mode, sizeof mode);
+    assert_int_equal(plfx_modal_read(NULL, 1, &mode), ARG);
+    assert_int_equal(plfx_modal_read(&m, 1, NULL), ARG);
+    assert_int_equal(plfx_modal_read(&m, 0, &mode), ARG);
+    assert_int_equal(plfx_modal_read(&m, PLFX_MODAL_BLOCKS + 1, &mode), ARG);
+    assert_int_equal(plfx_modal_alarm(NULL, 1000, 256, &mode), ARG);
+    assert_int_equal(plfx_modal_alarm(&m, 1000, 256, NULL), ARG);
+    assert_int_equal(plfx_modal_alarm(&m, -1, 256, &mode), ARG);
+    assert_int_equal(plfx_modal_alarm(&m, 1000001, 256, &mode), ARG);
+    assert_int_equal(plfx_modal_alarm(&m, 1000, -1, &mode), ARG);
+    assert_int_equal(plfx_modal_alarm(&m, 1000, 65536, &mode), ARG);
+    assert_true(marked(&mode, sizeof mode));
+}
+
 typedef struct peak_args {
     const uint32_t *power;
     plfx_peak *peaks;
@@ -712,6 +732,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(opened_by_hand),
     cmocka_unit_test(modal_configuration),
     cmocka_unit_test(modal_watch_arguments),
+    cmocka_unit_test(modal_read_arguments),
     cmocka_unit_test(peak_arguments),
     cmocka_unit_test(peaks_beside_nothing),
     cmocka_unit_test(region_configuration),
