@@ -26,6 +26,7 @@ typedef struct request { /* as the command line names it */
     double texture, unique;
     int preset; /* plfx_preset_id, or NOT_GIVEN */
     double noise;
+    int window_given, texture_given;
 } request;
 
 typedef struct job { /* as it is run */
@@ -67,10 +68,43 @@ static int parse_slopes(const char *text, job *j)
     return 0;
 }
 
-static int check_request(const request *r, job *j)
+/* Options that a preset settles: named, so that none is silently without effect. */
+static const char *settled_by_preset(const request *r)
 {
-    int rc;
+    return r->wish.method != NOT_GIVEN ? "--method"
+           : r->cost != NOT_GIVEN      ? "--cost"
+           : r->fuse != NOT_GIVEN      ? "--fuse"
+           : r->wish.n != 0            ? "--views"
+           : r->axes != NOT_GIVEN      ? "--axes"
+           : r->wish.adjacent          ? "--adjacent"
+           : r->wish.step > 0.0        ? "--step"
+                                       : NULL;
+}
 
+static int check_preset(request *r)
+{
+    const char *settled = r->preset != NOT_GIVEN ? settled_by_preset(r) : NULL;
+
+    if (settled != NULL) {
+        return plft_fail(PLFT_USAGE, "%s has no effect with --preset; leave one out",
+                         settled);
+    }
+    if (r->preset == NOT_GIVEN && r->noise >= 0.0) {
+        return plft_fail(PLFT_USAGE, "--noise: want --preset too");
+    }
+    r->wish.method = r->wish.method == NOT_GIVEN ? PLFT_PLENOPTIC : r->wish.method;
+    r->fuse = r->fuse == NOT_GIVEN ? PLFX_FUSE_MEDIAN : r->fuse;
+    r->axes = r->axes == NOT_GIVEN ? 0 : r->axes;
+    return 0;
+}
+
+static int check_request(request *r, job *j)
+{
+    int rc = check_preset(r);
+
+    if (rc != 0) {
+        return rc;
+    }
     if (r->paths.slope == NULL) {
         return plft_fail(PLFT_USAGE, "want -o OUT.pfm");
     }
@@ -95,13 +129,21 @@ static int check_request(const request *r, job *j)
     return rc != 0 ? rc : plft_depth_check_paths(&r->paths);
 }
 
+static void fill_gates(const request *r, const job *j, plfx_cfg *c)
+{
+    double full = (double)((1 << j->field.bits) - 1);
+
+    c->window = (uint8_t)r->window;
+    c->texture = (uint16_t)lround(r->texture / 1000.0 * full * 16.0);
+    c->unique_u16 = (uint16_t)lround(r->unique * 65535.0);
+}
+
 static void fill_cfg(const request *r, job *j)
 {
     plfx_cfg *c = &j->cfg;
     int cost = r->cost != NOT_GIVEN           ? r->cost
                : r->wish.method == PLFT_SWEEP ? PLFX_COST_SAD
                                               : PLFX_COST_ZNCC;
-    double full = (double)((1 << j->field.bits) - 1);
 
     c->method = (uint8_t)(r->wish.method == PLFT_SWEEP      ? PLFX_METHOD_SWEEP
                           : r->wish.method == PLFT_GRADIENT ? PLFX_METHOD_GRADIENT
@@ -109,11 +151,9 @@ static void fill_cfg(const request *r, job *j)
     c->cost = (uint8_t)cost;
     c->fit = (uint8_t)(cost == PLFX_COST_SAD ? PLFX_FIT_VEE : PLFX_FIT_PARABOLA);
     c->fuse = (uint8_t)r->fuse;
-    c->window = (uint8_t)r->window;
     c->bits = (uint8_t)j->field.bits;
     c->ref = 0;
-    c->texture = (uint16_t)lround(r->texture / 1000.0 * full * 16.0);
-    c->unique_u16 = (uint16_t)lround(r->unique * 65535.0);
+    fill_gates(r, j, c);
 }
 
 /* Views in which slopes are looked for: those that will be matched; for a single pair,
@@ -181,6 +221,17 @@ static int settle_slopes(const request *r, job *j)
     return 0;
 }
 
+/* Window and gates that the command line names go before the preset's. */
+static void keep_given(const request *r, job *j)
+{
+    plfx_cfg given;
+
+    fill_gates(r, j, &given);
+    j->cfg.window = r->window_given ? given.window : j->cfg.window;
+    j->cfg.texture = r->texture_given ? given.texture : j->cfg.texture;
+    j->cfg.unique_u16 = r->unique > 0.0 ? given.unique_u16 : j->cfg.unique_u16;
+}
+
 /* Slopes given with their number keep it; otherwise the preset steps finely enough. */
 static int apply_preset(const request *r, job *j)
 {
@@ -193,6 +244,7 @@ static int apply_preset(const request *r, job *j)
     j->preset.id = r->preset;
     j->preset.noise = r->noise;
     rc = plft_preset_cfg(&j->preset, &j->field, r->wish.radius, &j->cfg);
+    keep_given(r, j);
     j->cfg.labels = j->found ? j->cfg.labels : (uint16_t)labels;
     j->labels = j->cfg.labels;
     return rc;
@@ -219,6 +271,8 @@ static int prepare(request *r, job *j)
     if (r->optics != NULL) {
         rc = plft_optics_read(&j->optics, r->optics, j->field.lut == NULL);
     }
+    r->window_given = r->window != 0;
+    r->texture_given = r->texture >= 0.0;
     r->window = r->window != 0 ? r->window : plft_own_window(&j->field);
     if (rc == 0 && r->texture < 0.0) {
         rc = plft_find_texture(&j->field, r->axes || r->wish.method == PLFT_BINOCULAR,
@@ -378,7 +432,7 @@ int plft_cmd_depth(int argc, char **argv)
         {"-o", PLFT_TEXT, &r.paths.slope, "OUT.pfm", 0, 0, "the map"},
         {"--method", PLFT_WORD, &r.wish.method, PLFT_METHODS, 0, 0, "how; plenoptic"},
         {"--preset", PLFT_WORD, &r.preset, PLFT_PRESET_NAMES, 0, 0,
-         "settings instead of a method; docs tell what each is for"},
+         "settings instead of a method: docs/walkthrough.md"},
         {"--noise", PLFT_REAL, &r.noise, "S", 0, 16,
          "of a view, grey levels of 255, with --preset; measured"},
         {"--cost", PLFT_WORD, &r.cost, "sad|zncc", 0, 0,
@@ -423,8 +477,10 @@ int plft_cmd_depth(int argc, char **argv)
     memset(&r, 0, sizeof r);
     plft_source_options(options, own, &r.source, 1);
     memset(&j, 0, sizeof j);
-    r.wish.method = PLFT_PLENOPTIC;
+    r.wish.method = NOT_GIVEN;
     r.cost = NOT_GIVEN;
+    r.fuse = NOT_GIVEN;
+    r.axes = NOT_GIVEN;
     r.preset = NOT_GIVEN;
     r.noise = NOT_GIVEN;
     r.texture = NOT_GIVEN;

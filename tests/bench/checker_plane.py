@@ -61,7 +61,8 @@ def main():
                        "--preset onboard"):
             out = os.path.join(tmp, "d.pfm")
             subprocess.run([plenofix, "depth", "--views-dir", data, "--grid", "7x7", "-o", out,
-                            "--window", str(WINDOW)] + method.split(),
+                            *([] if "preset" in method else ["--window", str(WINDOW)]),
+                            *method.split()],
                            check=True, stdout=subprocess.DEVNULL)
             d = read_pfm(out)
             both = "--axes u" not in method and "binocular" not in method

@@ -83,6 +83,50 @@ status=0
 depth good --preset fast >/dev/null 2>d.err || status=$?
 [ $status = 2 ] && grep -q 'onboard' d.err
 
+# What a preset settles is refused beside it, and noise without one.
+for o in "--method sweep" "--cost sad" "--fuse median" "--views 9" "--axes uv" --adjacent \
+    "--step 1"; do
+    status=0
+    # shellcheck disable=SC2086
+    depth good --preset onboard $o >/dev/null 2>d.err || status=$?
+    [ $status = 2 ] && grep -q -- "${o%% *} has no effect with --preset" d.err
+done
+status=0
+depth good --noise 1 >/dev/null 2>d.err || status=$?
+[ $status = 2 ] && grep -q -- '--preset too' d.err
+# Window and gates of the command line go before the preset's.
+depth good --preset onboard --window 9 --unique 0.2 --json >d.json
+[ "$(figure window d.json)" = 9 ]
+
+# A saturated view is named; a missing one is an error that names the grid.
+mkdir clipped gap
+cp good/* clipped && cp good/* gap
+rm gap/v14.png
+PYTHONPATH=$here python3 -c '
+import png
+png.write("clipped/v14.png", 72, 60, lambda x, y: 65535, depth=16)'
+depth clipped --preset onboard --json >d.json 2>d.err
+grep -q 'view at (-2, 0) is saturated and left out' d.err
+[ "$(figure views_left_out d.json)" = 1 ]
+"$plenofix" evaluate d.pfm truth.pfm --border 8 --json >e.json
+under "BadPix without a saturated view" "$(figure badpix_0.07 e.json)" 3
+status=0
+depth gap --preset onboard >/dev/null 2>d.err || status=$?
+[ $status = 1 ] && [ "$(wc -l <d.err)" = 1 ] && grep -q '24' d.err
+
+# Confidence and standard error stand in every point.
+depth good --preset onboard --ply p.ply --sigma s.pfm --confidence c.pfm >/dev/null
+head -c 400 p.ply | grep -aq 'property float confidence'
+head -c 400 p.ply | grep -aq 'property float sigma'
+python3 - <<'PY'
+import struct
+data = open("p.ply", "rb").read()
+head, body = data.split(b"end_header\n", 1)
+sigma = [struct.unpack_from("<f", body, 20 * k + 16)[0] for k in range(len(body) // 20)]
+assert len(sigma) == 72 * 60, len(sigma)
+assert all(0 < s < 0.07 for s in sigma), (min(sigma), max(sigma))
+PY
+
 # The range is found when it is not given.
 "$plenofix" depth --views-dir good --grid 5x5 -o d.pfm --preset onboard >/dev/null
 "$plenofix" evaluate d.pfm truth.pfm --border 8 --json >e.json

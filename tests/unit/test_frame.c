@@ -394,6 +394,43 @@ static void flags_tell_apart(void **state)
     assert_int_equal(flags[13 * NX + 20] & PLFX_FLAG_SATURATED, 0);
 }
 
+/* A near strip of slope 1 before a plane of slope 0: flagged beside it, where some
+ * views see the strip instead, and nowhere far from it. */
+static void occlusion_is_flagged(void **state)
+{
+    int near = 0;
+    int far = 0;
+    int x;
+    int y;
+    int k;
+
+    (void)state;
+    setup(PLFX_PRESET_ONBOARD, 11);
+    plane(0);
+    for (y = 0; y < NY; y++) {
+        for (k = 0; k < N; k++) {
+            for (x = 0; x < NX; x++) {
+                int at = x - cfg.at[k].u_q8 / 256; /* on the strip */
+                if (at >= 17 && at < 23) {
+                    block[(y * N + k) * NX + x] =
+                        (uint16_t)(500 + 60 * (at * 7 % 5) + 90 * ((y + at) % 3));
+                }
+            }
+        }
+    }
+    assert_int_equal(plfx_plan_init(&plan, &cfg, NULL, NX, NY), PLFX_OK);
+    assert_int_equal(run(NULL, 0), PLFX_OK);
+    for (y = 8; y < NY - 8; y++) {
+        for (x = 4; x < NX - 4; x++) {
+            int flagged = (flags[y * NX + x] & PLFX_FLAG_OCCLUDED) != 0;
+            near += flagged && x >= 13 && x < 27;
+            far += flagged && (x < 11 || x >= 29);
+        }
+    }
+    assert_true(near > 3 * (NY - 16));
+    assert_int_equal(far, 0);
+}
+
 static void arguments_are_refused(void **state)
 {
     uint8_t skip[N];
@@ -429,6 +466,7 @@ int main(void)
         cmocka_unit_test(planes_are_found),
         cmocka_unit_test(a_skipped_view_changes_nothing),
         cmocka_unit_test(flags_tell_apart),
+        cmocka_unit_test(occlusion_is_flagged),
         cmocka_unit_test(arguments_are_refused),
     };
 
