@@ -14,7 +14,10 @@
 #include "common/out.h"
 #include "common/progress.h"
 #include "common/table.h"
+#include "motion/find.h"
+#include "motion/hdf5_out.h"
 #include "motion/regions.h"
+#include "motion/report.h"
 #include "motion/uff.h"
 #include "plenofix/modal.h"
 #include "plenofix/packet.h"
@@ -22,10 +25,11 @@
 
 #define FRAMES_MAX 100000
 #define MODES_MAX  8
+#define NATS_Q8    2304 /* evidence of a watch at which to alarm */
 #define ONE        16777216.0
 
 typedef struct request {
-    const char *table, *regions, *out, *packets, *uff, *modes;
+    const char *table, *regions, *out, *packets, *uff, *modes, *hdf5, *report;
     double rate, mm_lens, mm_slope, radius, limit;
     int bits, rest, views, axis, seek, no_steady, link, white;
 } request;
@@ -41,8 +45,14 @@ typedef struct job {
     plfx_roi_result out[PLFX_ROI_MAX];
     double freq[MODES_MAX], zeta[MODES_MAX];
     int modes;
-    plfx_modal *modal; /* [region][mode] */
-    double *series;    /* [frame][region][3], NaN where not valid */
+    int find;                /* modes from the spectrum of the whole series */
+    plfx_modal *modal;       /* [region][mode] */
+    plfx_modal_watch *watch; /* the same; limit 0: none */
+    double *series, *sigma;  /* [frame][region][3], NaN where not valid */
+    unsigned char *flags;    /* [frame][region] */
+    double *time;            /* [frame], s */
+    long *lost;              /* [frame] before it */
+    plft_spectrum spectrum;
     plft_out csv, packets;
     plfx_packet_rate fit;
     uint16_t seq;
@@ -96,12 +106,16 @@ static int name_frames(job *j, const char **operands, int n)
     return rc;
 }
 
-/* "6.2:0.015,22:0.012": frequency in Hz and expected damping. */
+/* "6.2:0.015,22:0.012": frequency in Hz and expected damping; or "auto". */
 static int parse_modes(job *j)
 {
     const char *p = j->r.modes;
     char *end;
 
+    if (p && strcmp(p, "auto") == 0) {
+        j->find = 1;
+        return 0;
+    }
     while (p && *p) {
         if (j->modes == MODES_MAX) {
             return plft_fail(PLFT_USAGE, "--modes: at most %d", MODES_MAX);
@@ -116,7 +130,8 @@ static int parse_modes(job *j)
             !(j->freq[j->modes] < j->r.rate / 2) || !(j->zeta[j->modes] > 0) ||
             !(j->zeta[j->modes] < 1)) {
             return plft_fail(PLFT_USAGE,
-                             "--modes %s: want HZ[:DAMPING],... under half of --rate",
+                             "--modes %s: want auto, or HZ[:DAMPING],... under half of "
+                             "--rate",
                              j->r.modes);
         }
         j->modes++;
@@ -130,21 +145,32 @@ static int start_modes(job *j)
     int n = j->cfg.regions * j->modes;
     int k;
 
+    free(j->modal);
+    free(j->watch);
     j->modal = plft_alloc((size_t)(n > 0 ? n : 1), sizeof *j->modal);
-    for (k = 0; j->modal && k < n; k++) {
+    j->watch = plft_alloc((size_t)(n > 0 ? n : 1), sizeof *j->watch);
+    for (k = 0; j->modal && j->watch && k < n; k++) {
         plfx_modal_cfg c = {(uint32_t)lround(j->r.rate * 1000), 0, 1, 8, 8};
         int m = k % j->modes;
         c.freq_uhz = (uint32_t)lround(j->freq[m] * 1e6);
         c.every =
             plfx_modal_every(c.rate_mhz, c.freq_uhz, (int32_t)lround(j->zeta[m] * 1e6));
+        /* A short record keeps 40 thinned samples. */
+        c.every = j->frames < 40 * c.every ? (j->frames + 39) / 40 : c.every;
         c.block = (int32_t)(60.0 * j->r.rate / c.every / PLFX_MODAL_BLOCKS);
         c.block = c.block < 8 ? 8 : c.block;
         if (plfx_modal_init(&j->modal[k], &c) != PLFX_OK) {
             return plft_fail(PLFT_USAGE, "--modes %g: want 1 to 8000 frames a second",
                              j->freq[m]);
         }
+        /* Watched where its expected damping is the healthy one over a limit. */
+        if (plfx_modal_watch_init(
+                &j->watch[k], &j->modal[k], (int32_t)lround(j->r.limit * 1e6),
+                (int32_t)lround(j->zeta[m] * 1e6), NATS_Q8) != PLFX_OK) {
+            memset(&j->watch[k], 0, sizeof j->watch[k]);
+        }
     }
-    return j->modal ? 0 : PLFT_DATA;
+    return j->modal && j->watch ? 0 : PLFT_DATA;
 }
 
 /* The centre and a cross of views out to the radius, evenly. */
@@ -261,40 +287,60 @@ static int32_t axis_of(const plfx_roi_result *o, int axis)
     return axis == 0 ? o->u_q24 : axis == 1 ? o->v_q24 : o->w_q24;
 }
 
-/* A sample of the tracker: 2^-14 lens in the plane, 2^-20 of slope. */
-static void feed_modes(job *j, long lost)
+static void feed(plfx_modal *t, plfx_modal_watch *w, double steps)
 {
-    int down = j->r.axis == 2 ? 4 : 10;
+    double s = floor(steps + 0.5);
+
+    s = s > 32767 ? 32767 : s < -32768 ? -32768 : s;
+    if (plfx_modal_push(t, (int16_t)s) && w->limit_q20 > 0) {
+        (void)plfx_modal_watch_add(w, t);
+    }
+}
+
+/* Row `row` of the series into the trackers.  A sample is 2^-14 lens in the plane,
+ * 2^-20 of slope. */
+static void feed_modes(job *j, int row)
+{
+    double step = scale(j, j->r.axis) * ldexp(1, j->r.axis == 2 ? 4 : 10);
     int k;
     int m;
 
     for (k = 0; k < j->cfg.regions; k++) {
-        int32_t v = axis_of(&j->out[k], j->r.axis);
+        double v = j->series[((size_t)row * (size_t)j->cfg.regions + (size_t)k) * 3 +
+                             (size_t)j->r.axis];
         for (m = 0; m < j->modes; m++) {
             plfx_modal *t = &j->modal[k * j->modes + m];
-            plfx_modal_gap(t, (uint32_t)lost);
-            if (j->out[k].flags || v == PLFX_ROI_NONE) {
-                plfx_modal_gap(t, 1);
+            plfx_modal_gap(t, (uint32_t)j->lost[row]);
+            if (isfinite(v)) {
+                feed(t, &j->watch[k * j->modes + m], v / step);
             } else {
-                double s = floor(ldexp(v, -down) + 0.5);
-                s = s > 32767 ? 32767 : s < -32768 ? -32768 : s;
-                (void)plfx_modal_push(t, (int16_t)s);
+                plfx_modal_gap(t, 1);
             }
         }
     }
 }
 
-static void keep_series(job *j, int row)
+static uint32_t sigma_of(const plfx_roi_result *o, int axis)
+{
+    return axis == 0 ? o->u_sigma_q24 : axis == 1 ? o->v_sigma_q24 : o->w_sigma_q24;
+}
+
+static void keep_row(job *j, int row, double time, long lost)
 {
     int k;
     int a;
 
+    j->time[row] = time;
+    j->lost[row] = lost;
     for (k = 0; k < j->cfg.regions; k++) {
+        size_t at = (size_t)row * (size_t)j->cfg.regions + (size_t)k;
+        j->flags[at] = j->out[k].flags;
         for (a = 0; a < 3; a++) {
             int32_t v = axis_of(&j->out[k], a);
-            j->series[((size_t)row * (size_t)j->cfg.regions + (size_t)k) * 3 +
-                      (size_t)a] =
-                j->out[k].flags || v == PLFX_ROI_NONE ? NAN : v * scale(j, a);
+            int bad = j->out[k].flags || v == PLFX_ROI_NONE;
+            j->series[at * 3 + (size_t)a] = bad ? NAN : v * scale(j, a);
+            j->sigma[at * 3 + (size_t)a] =
+                bad ? NAN : sigma_of(&j->out[k], a) * fabs(scale(j, a));
         }
     }
 }
@@ -384,8 +430,12 @@ static int strongest(const job *j, int mode, plfx_mode *best)
         if (plfx_modal_alarm(&j->modal[k * j->modes + mode],
                              (int32_t)lround(j->r.limit * 1e6), 384, &m) == PLFX_OK &&
             (m.flags & PLFX_MODE_VALID) && m.amp_q8 > best->amp_q8) {
+            const plfx_modal_watch *w = &j->watch[k * j->modes + mode];
             *best = m;
             at = k;
+            if (w->limit_q20 > 0 && w->evidence_q20 > w->limit_q20) {
+                best->flags |= PLFX_MODE_ALARM;
+            }
         }
     }
     return at;
@@ -455,8 +505,8 @@ static int measure(job *j, const plfx_roi_frame *f, long number, int row)
         plfx_roi_steady(&j->roi, &shake, j->out);
     }
     csv_rows(j, number, time);
-    feed_modes(j, lost);
-    keep_series(j, row);
+    keep_row(j, row, time, lost);
+    feed_modes(j, row);
     take_health(j, &shake, lost);
     if (j->packets.file) {
         if (row % j->fit.every == 0) {
@@ -507,8 +557,7 @@ static int one_frame(job *j, int k, int *row)
 
 static void print_modes(job *j)
 {
-    double unit =
-        fabs(scale(j, j->r.axis)) * ONE / (j->r.axis == 2 ? 1048576.0 : 16384.0);
+    double unit = fabs(scale(j, j->r.axis)) * ldexp(1, j->r.axis == 2 ? 4 : 10);
     int m;
 
     for (m = 0; m < j->modes; m++) {
@@ -530,6 +579,99 @@ static void print_modes(job *j)
     }
 }
 
+static int allot(job *j)
+{
+    size_t n = (size_t)j->frames * (size_t)j->cfg.regions;
+
+    j->series = plft_alloc(3u * n, sizeof *j->series);
+    j->sigma = plft_alloc(3u * n, sizeof *j->sigma);
+    j->flags = plft_alloc(n, 1);
+    j->time = plft_alloc((size_t)j->frames, sizeof *j->time);
+    j->lost = plft_alloc((size_t)j->frames, sizeof *j->lost);
+    return j->series && j->sigma && j->flags && j->time && j->lost ? 0 : PLFT_DATA;
+}
+
+/* Modes found in the spectrum, tracked from the kept series. */
+static int find_modes(job *j, int rows)
+{
+    int rc = 0;
+    int row;
+    int k;
+
+    j->modes = plft_find_modes(&j->spectrum, j->freq, MODES_MAX);
+    for (k = 0; k < j->modes; k++) {
+        j->zeta[k] = 0.01;
+    }
+    rc = start_modes(j);
+    for (row = 0; rc == 0 && row < rows; row++) {
+        feed_modes(j, row);
+    }
+    if (rc == 0 && j->packets.file && rows > 0) {
+        send_slow(j, j->time[rows - 1]);
+    }
+    return rc;
+}
+
+static void line_of(job *j, int mode, plft_mode_line *l)
+{
+    double step = scale(j, j->r.axis) * ldexp(1, j->r.axis == 2 ? 4 : 10);
+
+    l->hz = j->freq[mode];
+    l->region = strongest(j, mode, &l->mode);
+    l->rms = l->mode.amp_q8 / 256.0 * fabs(step);
+}
+
+static int write_report(job *j, const plft_series *m)
+{
+    plft_mode_line line[MODES_MAX];
+    plft_series_report r;
+    int k;
+
+    for (k = 0; k < j->modes; k++) {
+        line_of(j, k, &line[k]);
+    }
+    r.motion = m;
+    r.spectrum = &j->spectrum;
+    r.line = line;
+    r.modes = j->modes;
+    r.axis = j->r.axis;
+    r.lost = (unsigned)j->health.lost;
+    r.late = (unsigned)j->health.late;
+    r.flagged = (unsigned)j->health.rejected;
+    r.table = j->r.table;
+    return plft_series_report_write(j->r.report, &r);
+}
+
+/* What is written after the last frame. */
+static int write_outputs(job *j, int rows)
+{
+    plft_series m;
+    int rc = 0;
+
+    memset(&m, 0, sizeof m);
+    m.time = j->time;
+    m.series = j->series;
+    m.sigma = j->sigma;
+    m.flags = j->flags;
+    m.region = j->cfg.region;
+    m.rows = rows;
+    m.regions = j->cfg.regions;
+    m.rate = j->r.rate;
+    m.uv_unit = j->r.mm_lens > 0 ? "mm" : "pitch";
+    m.w_unit = j->r.mm_slope != 0 ? "mm" : "slope";
+    if (j->find || j->r.report) {
+        rc = plft_spectrum_of(&j->spectrum, j->series, rows, j->cfg.regions, j->r.axis,
+                              j->r.rate);
+    }
+    rc = rc || !j->find ? rc : find_modes(j, rows);
+    if (rc == 0 && j->r.uff) {
+        rc = plft_uff_write(j->r.uff, j->series, rows, j->cfg.regions, 1.0 / j->r.rate,
+                            j->r.mm_lens > 0 && j->r.mm_slope != 0 ? "mm" : "pitch");
+    }
+    rc = rc || !j->r.hdf5 ? rc : plft_hdf5_write(j->r.hdf5, &m);
+    return rc || !j->r.report ? rc : write_report(j, &m);
+}
+
 static int run(job *j)
 {
     int row = 0;
@@ -539,9 +681,7 @@ static int run(job *j)
     if (rc == 0 && j->r.packets) {
         rc = plft_out_open(&j->packets, j->r.packets);
     }
-    j->series =
-        plft_alloc((size_t)j->frames * (size_t)j->cfg.regions * 3u, sizeof *j->series);
-    rc = rc == 0 && !j->series ? PLFT_DATA : rc;
+    rc = rc ? rc : allot(j);
     if (rc == 0) {
         csv_head(j);
     }
@@ -549,10 +689,7 @@ static int run(job *j)
         rc = one_frame(j, k, &row);
         plft_progress("frames", (double)(k + 1) / j->frames);
     }
-    if (rc == 0 && j->r.uff) {
-        rc = plft_uff_write(j->r.uff, j->series, row, j->cfg.regions, 1.0 / j->r.rate,
-                            j->r.mm_lens > 0 && j->r.mm_slope != 0 ? "mm" : "pitch");
-    }
+    rc = rc ? rc : write_outputs(j, row);
     rc = rc ? rc : plft_out_commit(&j->csv);
     rc = rc || !j->r.packets ? rc : plft_out_commit(&j->packets);
     if (rc == 0) {
@@ -593,7 +730,12 @@ static void finish(job *j)
     free(j->name);
     free(j->ws);
     free(j->modal);
+    free(j->watch);
     free(j->series);
+    free(j->sigma);
+    free(j->flags);
+    free(j->time);
+    free(j->lost);
     plft_table_free(&j->table);
     free(j);
 }
@@ -626,13 +768,15 @@ static int parse(int argc, char **argv, request *r, const char **operands, int *
          "keep camera shake although there are reference regions"},
         {"--mm-per-lens", PLFT_REAL, &r->mm_lens, "X", 1e-6, 1e6, "u and v in mm"},
         {"--mm-per-slope", PLFT_REAL, &r->mm_slope, "X", -1e9, 1e9, "w in mm"},
-        {"--modes", PLFT_TEXT, &r->modes, "HZ[:Z],...", 0, 0,
-         "track modes, each with its expected damping (0.01)"},
+        {"--modes", PLFT_TEXT, &r->modes, "HZ[:Z],...|auto", 0, 0,
+         "track modes, each with its expected damping (0.01); auto: from the spectrum"},
         {"--axis", PLFT_WORD, &r->axis, "u|v|w", 0, 0, "of the modes (w)"},
         {"--limit", PLFT_REAL, &r->limit, "Z", 0, 1, "damping under which to alarm"},
         {"--packets", PLFT_TEXT, &r->packets, "P.bin", 0, 0, "CCSDS space packets"},
         {"--link", PLFT_INT, &r->link, "BITS", 0, 1e9, "bit/s that packets must fit"},
         {"--uff", PLFT_TEXT, &r->uff, "U.uff", 0, 0, "series as UFF dataset 58"},
+        {"--hdf5", PLFT_TEXT, &r->hdf5, "S.h5", 0, 0, "series as HDF5"},
+        {"--report", PLFT_TEXT, &r->report, "R.html", 0, 0, "one page for people"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
 
     return plft_args(argc, argv, &usage, options, operands, FRAMES_MAX, n, helped);
@@ -648,7 +792,12 @@ static int check(const request *r, int n)
 
     rc = rc ? rc : plft_out_check(r->out);
     rc = rc ? rc : plft_out_check(r->packets);
-    return rc ? rc : plft_out_check(r->uff);
+    rc = rc ? rc : plft_out_check(r->uff);
+    rc = rc ? rc : plft_out_check(r->report);
+    rc = rc ? rc : plft_out_check(r->hdf5);
+    return rc || !r->hdf5 || plft_hdf5_built()
+               ? rc
+               : plft_fail(PLFT_USAGE, "--hdf5: this program was built without HDF5");
 }
 
 int plft_cmd_monitor(int argc, char **argv)

@@ -49,6 +49,38 @@ grep -q '1 lost, 1 damaged places' log
 monitor f/f_00.png f/f_01.png f/f_05.png f/f_03.png f/f_06.png -o l.csv --rest 2 >log 2>err
 grep -q '1 late' log && grep -q 'goes back in time' err
 
+# A plane that swings at an eighth of the rate: the mode is found without a hint, the
+# packets fit the link, the outputs agree.
+for z in 561 562 563; do
+    sed "s/\"z_mm\": 560/\"z_mm\": $z/" s.json >z.json
+    "$plenofix" simulate z.json -o z$z
+done
+mkdir swing
+for n in $(seq 100 231); do
+    case $((n % 8)) in
+    0 | 4) from=a ;;
+    1 | 3) from=z561 ;;
+    2) from=z562 ;;
+    *) from=a ;;
+    esac
+    ln -s ../$from/scene.png swing/f_$n.png
+done
+monitor swing -o w.csv --rest 1 --rate 160 --modes auto --report r.html --packets w.bin \
+    --link 57600 --uff w.uff >log
+grep -Eq '^mode (19\.9[0-9]*|20(\.0[0-9]*)?) Hz: (19\.9|20\.0)[0-9]* ' log
+[ $(($(wc -c <w.bin) * 8 * 160)) -le $((57600 * 131)) ]
+"$plenofix" decode w.bin -o w2.csv >log
+grep -q ' 0 lost, 0 damaged places' log
+grep -q '<h2>Modes</h2>' r.html
+! grep -Eq 'src=|href=|https?:' r.html
+monitor f -o s.csv --rest 4 --rate 100 --modes auto --report r.html >log
+grep -q 'No spectrum' r.html
+if monitor f -o s.csv --rest 4 --hdf5 s.h5 >/dev/null 2>err; then
+    [ "$(od -An -c -N4 s.h5 | tr -d ' ')" = '211HDF' ]
+else
+    grep -q 'without HDF5' err
+fi
+
 bad() { # exit status wanted, words wanted, command
     local want=$1 words=$2 got=0
     shift 2
@@ -65,5 +97,10 @@ printf 'i,j,hx\n1,1,1\n' >r.csv
 bad 1 'no column hy' monitor f -o x.csv
 printf 'i,j,hx,hy\n9,9,99,3\n' >r.csv
 bad 1 'half sizes' monitor f -o x.csv
+{ echo i,j,hx,hy; for n in $(seq 65); do echo $n,9,1,1; done; } >r.csv
+bad 1 '65 regions, want 1 to 64' monitor f -o x.csv
 [ ! -e x.csv ]
+printf 'i,j,hx,hy\n10,9,3,4\n12,9,3,4\n' >r.csv
+monitor f -o x.csv --rest 4 >log 2>err
+grep -q 'overlap: their errors are not independent' err
 echo "monitor and decode work"
