@@ -125,6 +125,7 @@ void plfx_k_scale(uint16_t *item, int32_t n, int32_t shift)
     }
 }
 
+#if !defined(PLFX_KERNELS_DSP)
 static void update_exact(const plfx_update_block *b, uint16_t *restrict col,
                          int16_t *restrict sum, const uint16_t *restrict leave)
 {
@@ -250,3 +251,5 @@ void plfx_k_slide(int16_t *sum, const uint16_t *enter, const uint16_t *leave,
         slide_scaled(sum, enter, leave, labels, s2, lead);
     }
 }
+
+#endif

@@ -99,7 +99,9 @@ void plfx_k_scale(uint16_t *item, int32_t n, int32_t shift);
  * is as good. */
 typedef struct plfx_lead {
     int16_t least[PLFX_LANES];
-#if PLFX_LANES == 1
+#if defined(PLFX_KERNELS_DSP)
+    int16_t first[PLFX_LANES], last[PLFX_LANES]; /* labels that have it */
+#elif PLFX_LANES == 1
     int16_t label, tie;
 #endif
 } plfx_lead;

@@ -124,6 +124,74 @@ void plfx_k_unstripe(const int16_t *restrict in, int32_t blocks, int32_t n,
     }
 }
 
+#if PLFX_LANES == 1
+static inline int32_t magnitude(int32_t v)
+{
+    int32_t sign = plfx_asr_i32(v, 31);
+
+    return (v ^ sign) - sign;
+}
+
+/* A label as good as the least so far, or better; its cost less the least is `rise`. */
+static inline void note(const plfx_pair_block *b, int32_t l, int32_t rise)
+{
+    plfx_lead *lead = b->lead;
+
+    if (rise == 0) {
+        lead->tie = (int16_t)(lead->tie | -(l > lead->label + 1));
+    } else {
+        lead->label = (int16_t)l;
+        lead->tie = 0;
+    }
+}
+
+/* One lane: differences, sums and the winner in one loop, in whole registers.  Columns
+ * and biased sums are exact in 16 bits, so that nothing is cut; what is seldom wanted
+ * stays in memory. */
+static inline void walk(const plfx_pair_block *b, int32_t s1, int32_t s2)
+{
+    const int16_t *restrict right = b->right;
+    const int16_t *restrict gone = b->right_gone;
+    uint16_t *restrict col = b->col;
+    int16_t *restrict sum = b->sum;
+    const uint16_t *restrict leave = b->leave;
+    const uint16_t *end = col + b->labels;
+    int32_t step = b->step;
+    int32_t gone_step = b->gone_step;
+    int32_t here = b->left[0];
+    int32_t there = b->left_gone[0];
+    int32_t least = INT16_MAX;
+
+    b->lead->label = 0;
+    b->lead->tie = 0;
+    for (; col < end; col++) { /* labels */
+        int32_t c = *col + (magnitude(here - *right) >> s1);
+        int32_t s = *sum;
+        c -= magnitude(there - *gone) >> s1;
+        s += (c >> s2) - (*leave >> s2);
+        *col = (uint16_t)c;
+        *sum = (int16_t)s;
+        right += step;
+        gone += gone_step;
+        if (s <= least) { /* a few times among the labels of a lens */
+            note(b, (int32_t)(col - b->col), s - least);
+            least = s;
+        }
+        sum++;
+        leave++;
+    }
+    b->lead->least[0] = (int16_t)least;
+}
+
+void plfx_k_pair(const plfx_pair_block *b)
+{
+    if (b->s1 == 0) {
+        walk(b, 0, b->s2);
+    } else {
+        walk(b, b->s1, b->s2);
+    }
+}
+#else
 static inline void
 label_exact(const plfx_pair_block *b, uint16_t *restrict col, int16_t *restrict sum,
             const uint16_t *restrict leave, const int16_t *restrict right,
@@ -156,7 +224,7 @@ static void pair_exact(const plfx_pair_block *b, uint16_t *restrict col,
     memcpy(here, b->left, sizeof here);
     memcpy(there, b->left_gone, sizeof there);
     plfx_lead_start(b->lead, low);
-    for (l = 0; PLFX_LANES > 1 && l + 1 < b->labels; l += 2) {
+    for (l = 0; l + 1 < b->labels; l += 2) {
         label_exact(b, col, sum, leave, right, gone, here, there, low, l);
         label_exact(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
                     right + b->step, gone + b->gone_step, here, there, low, l + 1);
@@ -213,7 +281,7 @@ static void pair_scaled(const plfx_pair_block *b, uint16_t *restrict col,
     memcpy(here, b->left, sizeof here);
     memcpy(there, b->left_gone, sizeof there);
     plfx_lead_start(b->lead, low);
-    for (l = 0; PLFX_LANES > 1 && l + 1 < b->labels; l += 2) {
+    for (l = 0; l + 1 < b->labels; l += 2) {
         label_scaled(b, col, sum, leave, right, gone, here, there, m, low, l);
         label_scaled(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
                      right + b->step, gone + b->gone_step, here, there, m, low, l + 1);
@@ -283,6 +351,7 @@ void plfx_k_pair(const plfx_pair_block *b)
         pair_coarse(b, b->col, b->sum, b->leave);
     }
 }
+#endif
 
 /* Where the least sum of each lane stands: the first of its cells, counted in order
  * from the last, and how many there are. */

@@ -4,6 +4,7 @@
 #define PLENOFIX_SRC_LANES_H
 
 #include "kernels.h"
+#include "scalar.h"
 
 #include <string.h>
 
@@ -81,6 +82,19 @@ static inline void plfx_lead_end(plfx_lead *lead, const int16_t *low)
     memcpy(lead->least, low, sizeof lead->least);
 }
 
+#if PLFX_LANES <= 2
+/* Few lanes divide. */
+static inline int16_t plfx_lane_vertex_q4(uint16_t a, uint16_t b, int16_t vee)
+{
+    return (int16_t)plfx_vertex_q4(a, b, vee);
+}
+
+static inline uint16_t plfx_lane_margin(uint16_t best, uint16_t second,
+                                        uint16_t floor_cost)
+{
+    return (uint16_t)plfx_margin_u16(best, second, floor_cost);
+}
+#else
 /* One bit of num/den, num < den < 2^15: where 2*num - den is negative it is the greater
  * number without its sign.  p gathers -1 for every bit that is 0. */
 #define PLFX_FIT_STEP(p, num, den)                                                     \
@@ -142,6 +156,8 @@ static inline uint16_t plfx_lane_margin(uint16_t best, uint16_t second,
     q = (int16_t)((q + 255) | (whole & 255));
     return (uint16_t)(q << 8);
 }
+
+#endif
 
 /* A winner of each lane: cell, least sum and those beside it. */
 typedef struct plfx_won {
