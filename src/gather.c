@@ -6,18 +6,16 @@
 /* Pixels under one lens: offsets of +-128 px and two taps. */
 #define SEGMENT_MAX 260
 
-static void carve_order(plfx_gather *g, size_t nx, plfx_arena *a)
+static void carve_lenses(plfx_gather *g, plfx_arena *a)
 {
+    size_t n = (size_t)g->blocks * PLFX_TAP_LANES;
     int32_t k;
 
-    g->centre = plfx_take(a, nx, sizeof(plfx_point));
-    g->begin = plfx_take(a, nx, sizeof(int16_t));
     for (k = 0; k < g->open; k++) {
-        plfx_gather_order *o = &g->order[k];
-        o->x_q16 = plfx_take(a, 2u * nx + 2u * PLFX_GATHER_SPARE, sizeof(int32_t));
-        o->y_q16 = plfx_behind(o->x_q16, nx + PLFX_GATHER_SPARE, sizeof(int32_t));
-        o->lens = plfx_take(a, nx + PLFX_GATHER_ROWS + 1u, sizeof(uint16_t));
-        o->start = plfx_behind(o->lens, nx, sizeof(uint16_t));
+        plfx_gather_lenses *l = &g->lens[k];
+        l->x_q16 = plfx_take(a, 2u * n, sizeof(int32_t));
+        l->y_q16 = plfx_behind(l->x_q16, n, sizeof(int32_t));
+        l->block = plfx_take(a, (size_t)g->blocks, sizeof(plfx_gather_block));
     }
 }
 
@@ -34,14 +32,14 @@ void plfx_gather_carve(plfx_gather *g, const plfx_stream_cfg *cfg, plfx_arena *a
     g->open = cfg->open_rows;
     g->white = cfg->white && cfg->lut->gain.length > 0;
     g->bits = cfg->bits;
-    g->ordered = cfg->profile == PLFX_PROFILE_FAST;
+    g->lanes = cfg->profile == PLFX_PROFILE_FAST;
+    g->blocks = (cfg->lut->lattice.nx + PLFX_TAP_LANES - 1) / PLFX_TAP_LANES;
     g->shift = plfx_take(a, n, sizeof(plfx_point));
-    g->rows = plfx_take(a, open * n * nx + PLFX_GATHER_SPARE, sizeof(uint16_t));
-    g->line = g->white || g->ordered ? plfx_take(a, nx, sizeof(uint16_t)) : NULL;
-    g->centre = NULL;
+    g->rows = plfx_take(a, open * n * nx + PLFX_TAP_LANES, sizeof(uint16_t));
+    g->line = g->white ? plfx_take(a, nx, sizeof(uint16_t)) : NULL;
     g->pixels = NULL;
-    if (g->ordered) {
-        carve_order(g, nx, a);
+    if (g->lanes) {
+        carve_lenses(g, a);
         if (cfg->format != PLFX_RAW_U16) {
             g->pixels = plfx_take(a, (size_t)cfg->lut->sensor_w, sizeof(uint16_t));
         }
@@ -53,9 +51,7 @@ void plfx_gather_start(plfx_gather *g)
     int32_t k;
 
     for (k = 0; k < g->n; k++) {
-        plfx_point s = plfx_view_offset(g->lut, g->at[k]);
-        s.x_q16 += 256 * g->tone.dx_q8 + 128;
-        s.y_q16 += 256 * g->tone.dy_q8 + 128;
+        plfx_point s = plfx_tap_shift(g->lut, &g->tone, g->at[k]);
         if (g->shift) {
             g->shift[k] = s;
         }
@@ -101,8 +97,8 @@ void plfx_gather_open(plfx_gather *g, int32_t j)
     int32_t slot = j % g->open;
     plfx_rows_span s;
 
-    if (g->ordered) {
-        plfx_gather_sort(g, j);
+    if (g->lanes) {
+        plfx_gather_aim(g, j);
         return;
     }
     s = plfx_gather_span(g, j);
@@ -138,17 +134,17 @@ typedef struct lens { /* what the taps of one lens share */
     int32_t x0, y;
 } lens;
 
-/* Mean of two neighbours, 16 bits (view.h). */
-static uint32_t along(const plfx_gather *g, const lens *l, int32_t x_q8)
+/* Mean of two neighbours, 16 bits. */
+static uint32_t along(const plfx_gather *g, const lens *l, int32_t k)
 {
     int32_t last = g->lut->sensor_w - 1;
+    int32_t x_q8 = plfx_asr_i32(l->c.x_q16 + g->shift[k].x_q16, 8);
     int32_t x = plfx_asr_i32(x_q8, 8);
-    uint32_t f = (uint32_t)(x_q8 - 256 * x);
     uint32_t p = l->px[plfx_clamp_i32(x, 0, last) - l->x0];
     uint32_t q = l->px[plfx_clamp_i32(x + 1, 0, last) - l->x0];
-    int32_t k = g->bits - 8;
+    int32_t down = g->bits - 8;
 
-    return (p * (256u - f) + q * f + ((1u << k) >> 1)) >> k;
+    return plfx_along(p | q << 16, (uint32_t)x_q8 & 255u, (1u << down) >> 1, down);
 }
 
 static void tap(const plfx_gather *g, const lens *l, int32_t k, uint16_t *to)
@@ -157,13 +153,11 @@ static void tap(const plfx_gather *g, const lens *l, int32_t k, uint16_t *to)
     int32_t y_q8 = plfx_asr_i32(l->c.y_q16 + g->shift[k].y_q16, 8);
     int32_t r = plfx_asr_i32(y_q8, 8);
     int32_t first = plfx_clamp_i32(r, 0, last);
-    uint32_t f = (uint32_t)(y_q8 - 256 * r);
 
     if (l->y == first) {
-        *to = (uint16_t)along(g, l, plfx_asr_i32(l->c.x_q16 + g->shift[k].x_q16, 8));
+        *to = (uint16_t)along(g, l, k);
     } else if (l->y == r + 1) {
-        uint32_t h = along(g, l, plfx_asr_i32(l->c.x_q16 + g->shift[k].x_q16, 8));
-        *to = (uint16_t)((*to * (256u - f) + h * f + 128u) >> 8);
+        *to = (uint16_t)plfx_across(*to, along(g, l, k), (uint32_t)y_q8 & 255u);
     }
 }
 
@@ -198,7 +192,7 @@ void plfx_gather_taps(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *
     if (y < g->lo[slot] || y > g->hi[slot]) {
         return;
     }
-    if (g->ordered) {
+    if (g->lanes) {
         plfx_gather_lanes(g, j, y, row);
         return;
     }
@@ -211,62 +205,31 @@ void plfx_gather_taps(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *
     }
 }
 
-typedef struct curve { /* tone.h's arithmetic, the same for a row */
-    uint32_t black, clipped, gain, top;
-    int32_t down;
-} curve;
-
-static curve curve_of(const plfx_gather *g)
+static void tone_row(plfx_curve c, uint16_t *row, int32_t n)
 {
-    const plfx_tone *t = &g->tone;
-    uint32_t full = ((1u << g->bits) - 1u) << (16 - g->bits);
-    curve c;
-
-    c.black = t->black_u16;
-    c.clipped = full < t->sat_u16 ? full : t->sat_u16;
-    c.gain = t->gain_q12;
-    c.top = (1u << t->bits) - 1u;
-    c.down = 28 - t->bits - t->shift; /* 8 .. 28 */
-    return c;
-}
-
-/* Without gains: 16 + 13 bits. */
-static void tone_row(curve c, uint16_t *row, int32_t n)
-{
-    uint32_t half = 1u << (c.down - 1);
     int32_t i;
 
     for (i = 0; i < n; i++) {
-        uint32_t v = row[i];
-        uint32_t lit = v > c.black ? v - c.black : 0u;
-        uint32_t out = (lit * c.gain + half) >> c.down;
-        row[i] = (uint16_t)(v >= c.clipped || out > c.top ? c.top : out);
+        row[i] = (uint16_t)plfx_toned(c, row[i]);
     }
 }
 
-static void tone_row_white(curve c, const uint16_t *gain_u13, uint16_t *row, int32_t n)
+static void tone_row_white(plfx_curve c, const uint16_t *restrict gain_u13,
+                           uint16_t *restrict row, int32_t n)
 {
-    uint64_t half = (uint64_t)1 << (c.down - 1);
     int32_t i;
 
     for (i = 0; i < n; i++) {
-        uint32_t v = row[i];
-        uint32_t lit = v > c.black ? v - c.black : 0u;
-        uint32_t even = (lit * gain_u13[i] + 4096u) >> 13; /* 19 bits */
-        uint64_t out = ((uint64_t)even * c.gain + half) >> c.down;
-        row[i] = (uint16_t)(v >= c.clipped || out > c.top ? c.top : out);
+        row[i] = (uint16_t)plfx_toned_white(c, row[i], gain_u13[i]);
     }
 }
 
 void plfx_gather_close(plfx_gather *g, int32_t j)
 {
     int32_t nx = g->lut->lattice.nx;
-    curve c = curve_of(g);
+    plfx_curve c = plfx_curve_of(&g->tone, g->bits);
     int32_t k;
 
-    if (g->ordered) {
-        plfx_gather_place(g, j);
-    }
     for (k = 0; k < g->n; k++) {
         uint16_t *row = g->rows + (size_t)((j % g->open) * g->n + k) * (size_t)nx;
         if (g->white) {

@@ -7,35 +7,33 @@
 
 #include "plenofix/stream.h"
 #include "arena.h"
+#include "taps.h"
 
-/* Sensor rows under one lens row, at most, in the fast profile. */
-#define PLFX_GATHER_ROWS 256
+/* Bounds of the lenses that are sampled side by side. */
+typedef struct plfx_gather_block {
+    int32_t least_q16, most_q16; /* y of their centres; most < least: none measured */
+    int32_t inside;              /* 1: no tap leaves the sensor sideways */
+} plfx_gather_block;
 
-#define PLFX_GATHER_SPARE 8 /* lanes read and written back behind the last lens */
-
-/* The lenses of an open row in the order of their first sensor row: those that begin in
- * row first + b are number start[b] .. start[b+1] - 1. */
-typedef struct plfx_gather_order {
-    int32_t *x_q16, *y_q16; /* [nx] centres */
-    uint16_t *lens;         /* [nx] column */
-    uint16_t *start;        /* [PLFX_GATHER_ROWS + 1] */
-    int32_t inside;         /* 1: no tap leaves the sensor sideways */
-    int32_t first, count;   /* sensor row of start[0]; sensor rows */
-} plfx_gather_order;
+/* Centres of an open row's lenses.  A missing lens stands far above the sensor, where
+ * no row meets it, and beside a measured one. */
+typedef struct plfx_gather_lenses {
+    int32_t *x_q16, *y_q16; /* [blocks * PLFX_TAP_LANES] */
+    plfx_gather_block *block;
+} plfx_gather_lenses;
 
 typedef struct plfx_gather {
     const plfx_lut *lut;
     plfx_tone tone;
     const plfx_offset *at;
     int32_t n, open, white, bits;
-    int32_t ordered;   /* 1: fast profile */
+    int32_t lanes;     /* 1: fast profile */
+    int32_t blocks;    /* of PLFX_TAP_LANES lenses in a row */
     plfx_point *shift; /* [n] displacements, q16, with 1/2; NULL: extremes alone */
     plfx_point least, most;
-    plfx_point *centre; /* [nx], fast profile: before they are put in order */
-    int16_t *begin;     /* [nx], likewise: first sensor rows, -1 missing */
-    plfx_gather_order order[PLFX_STREAM_OPEN_MAX];
-    uint16_t *rows;   /* [open][n][nx]; in the row's order until it is closed */
-    uint16_t *line;   /* [nx] gains, or a row before it is put in place */
+    plfx_gather_lenses lens[PLFX_STREAM_OPEN_MAX]; /* fast profile */
+    uint16_t *rows;                                /* [open][n][nx] */
+    uint16_t *line;                                /* [nx] gains, or NULL */
     uint16_t *pixels; /* [sensor_w] an unpacked row, or NULL */
     int32_t lo[PLFX_STREAM_OPEN_MAX], hi[PLFX_STREAM_OPEN_MAX];
 } plfx_gather;
@@ -64,10 +62,9 @@ void plfx_gather_close(plfx_gather *g, int32_t j);
 /* A row as plain pixels where that pays (fast profile). */
 void plfx_gather_unpack(plfx_gather *g, const plfx_raw_row *row);
 
-/* The fast profile's part of open, taps and close (gather_fast.c). */
-void plfx_gather_sort(plfx_gather *g, int32_t j);
+/* The fast profile's part of open and taps (gather_fast.c). */
+void plfx_gather_aim(plfx_gather *g, int32_t j);
 void plfx_gather_lanes(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *row);
-void plfx_gather_place(plfx_gather *g, int32_t j);
 
 /* Sensor rows under the lens at c. */
 plfx_rows_span plfx_gather_under(const plfx_gather *g, plfx_point c);

@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT
- * The fast profile's gathering: lenses that begin in the same sensor row stand side by
- * side, so that their taps are lane-wise but for the two pixel loads. */
+ * The fast profile's gathering: blocks of lenses side by side, lane-wise but for the
+ * pixel loads.  A block is visited in the sensor rows that any of its lenses needs. */
 #include "gather.h"
 #include "bytes.h"
-#include "kernels.h"
-#include "fix.h"
 
-#include <string.h>
+#define LANES PLFX_TAP_LANES
 
-#define LANES 8
-PLFX_STATIC_ASSERT(LANES <= PLFX_GATHER_SPARE, spare_lanes_fit);
+#define ABOVE_ALL (-(1 << 30)) /* y of a missing lens: -16384 px, */
+#define ABOVE     (-16000)     /* which no displacement brings to this row */
 
 /* Centres of lens row j: those of plfx_lut_centre(), by steps. */
-static void centres(const plfx_gather *g, int32_t j)
+static void centres(const plfx_gather *g, int32_t j, const plfx_gather_lenses *to)
 {
     const plfx_lattice *l = &g->lut->lattice;
     int64_t odd = j & 1;
@@ -28,271 +26,204 @@ static void centres(const plfx_gather *g, int32_t j)
     for (i = 0; i < l->nx; i++) {
         int64_t dx = has ? plfx_get_i16(r + 4 * i) * has : 0;
         int64_t dy = has ? plfx_get_i16(r + 4 * i + 2) * has : 0;
-        g->centre[i].x_q16 = plfx_sat_i32(plfx_asr_i64(x + dx, 6));
-        g->centre[i].y_q16 = plfx_sat_i32(plfx_asr_i64(y + dy, 6));
+        to->x_q16[i] = plfx_sat_i32(plfx_asr_i64(x + dx, 6));
+        to->y_q16[i] = plfx_sat_i32(plfx_asr_i64(y + dy, 6));
         x += l->a.x_q22;
         y += l->a.y_q22;
     }
 }
 
-/* Missing lenses are left out by a first row that no lens has. */
-static void mark(const plfx_gather *g, int32_t j)
+/* Missing lenses, and lanes behind the last lens, out of every row's way. */
+static void set_aside(const plfx_gather *g, int32_t j, const plfx_gather_lenses *to)
 {
+    int32_t nx = g->lut->lattice.nx;
     int32_t i;
 
-    for (i = 0; g->lut->flag.length > 0 && i < g->lut->lattice.nx; i++) {
+    for (i = 0; g->lut->flag.length > 0 && i < nx; i++) {
         if (plfx_lut_flags(g->lut, i, j) & PLFX_LENS_MISSING) {
-            g->begin[i] = -1;
+            to->y_q16[i] = ABOVE_ALL;
         }
+    }
+    for (i = nx; i < g->blocks * LANES; i++) {
+        to->x_q16[i] = to->x_q16[nx - 1];
+        to->y_q16[i] = ABOVE_ALL;
     }
 }
 
-/* First sensor row of each lens; rows and columns that the lens row spans. */
-static plfx_rows_span extent(plfx_gather *g, plfx_gather_order *o, int32_t j)
+/* Bounds of a block; lenses set aside are put beside a measured one. */
+static void bound(const plfx_gather *g, int32_t *restrict x, const int32_t *restrict y,
+                  plfx_gather_block *b)
 {
-    int32_t nx = g->lut->lattice.nx;
-    plfx_rows_span all = {INT32_MAX, -1};
+    int32_t least = INT32_MAX;
+    int32_t most = INT32_MIN;
     int32_t left = INT32_MAX;
     int32_t right = INT32_MIN;
     int32_t i;
 
-    for (i = 0; i < nx; i++) {
-        g->begin[i] = (int16_t)plfx_gather_under(g, g->centre[i]).lo;
+    PLFX_LANE_LOOP(i, LANES)
+    {
+        int32_t here = y[i];
+        int32_t at = x[i];
+        int32_t out = here == ABOVE_ALL;
+        least = plfx_min_i32(least, out ? INT32_MAX : here);
+        most = plfx_max_i32(most, here);
+        left = plfx_min_i32(left, out ? INT32_MAX : at);
+        right = plfx_max_i32(right, out ? INT32_MIN : at);
     }
-    mark(g, j);
-    for (i = 0; i < nx; i++) {
-        if (g->begin[i] >= 0) {
-            int32_t hi = plfx_gather_under(g, g->centre[i]).hi;
-            all.lo = plfx_min_i32(all.lo, g->begin[i]);
-            all.hi = plfx_max_i32(all.hi, hi);
-            left = plfx_min_i32(left, g->centre[i].x_q16);
-            right = plfx_max_i32(right, g->centre[i].x_q16);
-        }
+    PLFX_LANE_LOOP(i, LANES)
+    {
+        x[i] = y[i] == ABOVE_ALL ? left : x[i];
     }
-    o->inside = all.hi >= all.lo && left + g->least.x_q16 >= 0 &&
+    b->least_q16 = least;
+    b->most_q16 = most;
+    b->inside = right >= left && left + g->least.x_q16 >= 0 &&
                 plfx_asr_i32(right + g->most.x_q16, 16) < g->lut->sensor_w - 1;
-    return all;
 }
 
-/* Counting sort by the first sensor row: stable, so that lanes write side by side. */
-static void sort(const plfx_gather *g, plfx_gather_order *o)
-{
-    int32_t nx = g->lut->lattice.nx;
-    int32_t i;
-
-    memset(o->start, 0, (PLFX_GATHER_ROWS + 1u) * sizeof(uint16_t));
-    for (i = 0; i < nx; i++) {
-        if (g->begin[i] >= 0) {
-            o->start[g->begin[i] - o->first + 1]++;
-        }
-    }
-    for (i = 0; i < o->count; i++) {
-        o->start[i + 1] = (uint16_t)(o->start[i + 1] + o->start[i]);
-    }
-    for (i = 0; i < nx; i++) { /* start[b] runs ahead to start[b+1] */
-        if (g->begin[i] >= 0) {
-            uint16_t at = o->start[g->begin[i] - o->first]++;
-            o->x_q16[at] = g->centre[i].x_q16;
-            o->y_q16[at] = g->centre[i].y_q16;
-            o->lens[at] = (uint16_t)i;
-        }
-    }
-    for (i = o->count; i > 0; i--) {
-        o->start[i] = o->start[i - 1];
-    }
-    o->start[0] = 0;
-    for (i = 0; i < LANES; i++) { /* lanes beyond the last lens read beside it */
-        int32_t end = o->start[o->count];
-        o->x_q16[end + i] = o->x_q16[end - 1];
-        o->y_q16[end + i] = o->y_q16[end - 1];
-    }
-}
-
-void plfx_gather_sort(plfx_gather *g, int32_t j)
+void plfx_gather_aim(plfx_gather *g, int32_t j)
 {
     int32_t slot = j % g->open;
-    plfx_gather_order *o = &g->order[slot];
-    plfx_rows_span s;
-
-    centres(g, j);
-    s = extent(g, o, j);
-    g->lo[slot] = s.lo;
-    g->hi[slot] = s.hi;
-    o->first = s.lo;
-    o->count = 0;
-    if (s.hi >= s.lo) {
-        o->count = s.hi - s.lo + 1;
-        sort(g, o);
-    }
-}
-
-typedef struct row_view { /* one view in one sensor row */
-    const uint16_t *px;
-    plfx_point shift;
-    int32_t y, last_x, last_y, down;
-    uint32_t half;
-} row_view;
-
-/* Means of two neighbours for LANES lenses, 16 bits. */
-static inline void along(const row_view *v, const int32_t *restrict cx,
-                         uint32_t *restrict h, int32_t inside)
-{
-    const uint16_t *restrict px = v->px;
-    int32_t x0[LANES];
-    int32_t x1[LANES];
-    uint32_t f[LANES];
-    uint32_t p[LANES];
-    uint32_t q[LANES];
-    int32_t shift = v->shift.x_q16;
-    uint32_t half = v->half;
-    int32_t down = v->down;
-    int32_t i;
-
-    PLFX_LANE_LOOP(i, LANES)
-    {
-        int32_t x = plfx_asr_i32(cx[i] + shift, 8);
-        f[i] = (uint32_t)x & 255u;
-        x0[i] = plfx_asr_i32(x, 8);
-    }
-    if (inside) {
-        for (i = 0; i < LANES; i++) {
-            const uint16_t *at = px + x0[i];
-            p[i] = at[0];
-            q[i] = at[1];
-        }
-    } else {
-        for (i = 0; i < LANES; i++) {
-            x1[i] = plfx_clamp_i32(x0[i] + 1, 0, v->last_x);
-            p[i] = px[plfx_clamp_i32(x0[i], 0, v->last_x)];
-            q[i] = px[x1[i]];
-        }
-    }
-    PLFX_LANE_LOOP(i, LANES)
-    {
-        h[i] = (p[i] * (256u - f[i]) + q[i] * f[i] + half) >> down;
-    }
-}
-
-/* First taps.  A lens whose first row is the next one takes a number that its own first
- * tap replaces. */
-static void first_taps(const row_view *v, const int32_t *cx, uint16_t *restrict to,
-                       int32_t inside)
-{
-    uint32_t h[LANES];
-    int32_t i;
-
-    along(v, cx, h, inside);
-    PLFX_LANE_LOOP(i, LANES)
-    {
-        to[i] = (uint16_t)h[i];
-    }
-}
-
-/* First or second taps of LANES lenses, the first m of which count. */
-static void taps(const row_view *v, const int32_t *restrict cx,
-                 const int32_t *restrict cy, uint16_t *restrict to, int32_t m,
-                 int32_t inside)
-{
-    int32_t shift = v->shift.y_q16;
-    int32_t now = v->y;
-    int32_t last = v->last_y;
-    uint32_t h[LANES];
-    int32_t i;
-
-    along(v, cx, h, inside);
-    PLFX_LANE_LOOP(i, LANES)
-    {
-        int32_t y = plfx_asr_i32(cy[i] + shift, 8);
-        int32_t r = plfx_asr_i32(y, 8);
-        uint32_t w = (uint32_t)y & 255u;
-        uint32_t old = to[i];
-        uint32_t both = (old * (256u - w) + h[i] * w + 128u) >> 8;
-        uint32_t next = now == r + 1 ? both : old;
-        next = now == plfx_clamp_i32(r, 0, last) ? h[i] : next;
-        to[i] = (uint16_t)(i < m ? next : old);
-    }
-}
-
-/* Nonzero when one of LANES lenses has its second tap in this row. */
-static int32_t any_second(const row_view *v, const int32_t *restrict cy)
-{
-    int32_t any = 0;
-    int32_t i;
-
-    PLFX_LANE_LOOP(i, LANES)
-    {
-        any |= v->y == plfx_asr_i32(cy[i] + v->shift.y_q16, 16) + 1;
-    }
-    return any;
-}
-
-/* Lenses of one bucket. */
-static void run(const row_view *v, const plfx_gather_order *o, int32_t bucket,
-                int32_t age, uint16_t *to)
-{
-    int32_t end = o->start[bucket + 1];
-    int32_t i;
-
-    for (i = o->start[bucket]; i < end; i += LANES) {
-        if (age == 0 && end - i >= LANES) {
-            first_taps(v, o->x_q16 + i, to + i, o->inside);
-        } else if (age < 2 || any_second(v, o->y_q16 + i)) {
-            taps(v, o->x_q16 + i, o->y_q16 + i, to + i, end - i, o->inside);
-        }
-    }
-}
-
-/* View k has taps in row y of lenses that begin 0, 1 or, by the carry of fractions, 2
- * rows before the row that lies as far above as the view does below the uppermost. */
-static void view_taps(const plfx_gather *g, const row_view *v, int32_t k, int32_t slot)
-{
-    const plfx_gather_order *o = &g->order[slot];
-    size_t nx = (size_t)g->lut->lattice.nx;
-    int32_t lower = g->shift[k].y_q16 - g->least.y_q16;
-    int32_t first = v->y - o->first - plfx_asr_i32(lower, 16);
-    uint16_t *to = g->rows + (size_t)(slot * g->n + k) * nx;
-    int32_t clamped = v->y == v->last_y || o->first == 0;
-    int32_t b0 = clamped ? 0 : plfx_max_i32(first - 2, 0);
-    int32_t b1 = plfx_min_i32(clamped ? o->count - 1 : first, o->count - 1);
+    const plfx_gather_lenses *l = &g->lens[slot];
+    plfx_rows_span all = {INT32_MAX, -1};
     int32_t b;
 
-    for (b = b0; b <= b1; b++) {
-        run(v, o, b, clamped ? 1 : first - b, to);
+    centres(g, j, l);
+    set_aside(g, j, l);
+    for (b = 0; b < g->blocks; b++) {
+        bound(g, l->x_q16 + b * LANES, l->y_q16 + b * LANES, l->block + b);
+        if (l->block[b].most_q16 >= l->block[b].least_q16) {
+            plfx_point upper = {0, l->block[b].least_q16};
+            plfx_point lower = {0, l->block[b].most_q16};
+            all.lo = plfx_min_i32(all.lo, plfx_gather_under(g, upper).lo);
+            all.hi = plfx_max_i32(all.hi, plfx_gather_under(g, lower).hi);
+        }
+    }
+    g->lo[slot] = all.lo;
+    g->hi[slot] = all.hi;
+}
+
+typedef struct sensor_row {
+    const uint16_t *px;
+    int32_t from,
+        to;         /* a first tap here when the row over the sample is one of these */
+    int32_t before; /* a second tap when it is this one */
+    int32_t last_x, down;
+    uint32_t half;
+} sensor_row;
+
+/* Taps of LANES lenses, given their pixel pairs.  A lens that has none here keeps its
+ * number. */
+static inline void mix(const sensor_row *v, const uint32_t *restrict two,
+                       const uint32_t *restrict f, const int32_t *restrict cy,
+                       int32_t shift, uint16_t *restrict to)
+{
+    int32_t r[LANES];
+    uint32_t w[LANES];
+    uint32_t s[LANES];
+    int32_t i;
+
+    plfx_places(cy, shift, r, w);
+    PLFX_LANE_LOOP(i, LANES)
+    {
+        s[i] = to[i];
+    }
+    PLFX_LANE_LOOP(i, LANES)
+    {
+        uint32_t h = plfx_along(two[i], f[i], v->half, v->down);
+        uint32_t next = r[i] == v->before ? plfx_across(s[i], h, w[i]) : s[i];
+        s[i] = r[i] >= v->from && r[i] <= v->to ? h : next;
+    }
+    PLFX_LANE_LOOP(i, LANES)
+    {
+        to[i] = (uint16_t)s[i];
+    }
+}
+
+static inline void taps(const sensor_row *v, const int32_t *restrict cx,
+                        const int32_t *restrict cy, plfx_point shift,
+                        uint16_t *restrict to)
+{
+    int32_t x[LANES];
+    uint32_t f[LANES];
+    uint32_t two[LANES];
+    int32_t i;
+
+    plfx_places(cx, shift.x_q16, x, f);
+    for (i = 0; i < LANES; i++) {
+        two[i] = plfx_two(v->px + x[i]);
+    }
+    mix(v, two, f, cy, shift.y_q16, to);
+}
+
+/* The same where samples may lie beside the sensor. */
+static void taps_beside(const sensor_row *v, const int32_t *restrict cx,
+                        const int32_t *restrict cy, plfx_point shift,
+                        uint16_t *restrict to)
+{
+    int32_t x[LANES];
+    uint32_t f[LANES];
+    uint32_t two[LANES];
+    int32_t i;
+
+    plfx_places(cx, shift.x_q16, x, f);
+    for (i = 0; i < LANES; i++) {
+        uint32_t p = v->px[plfx_clamp_i32(x[i], 0, v->last_x)];
+        uint32_t q = v->px[plfx_clamp_i32(x[i] + 1, 0, v->last_x)];
+        two[i] = p | q << 16;
+    }
+    mix(v, two, f, cy, shift.y_q16, to);
+}
+
+/* 1: some lens of a block has a tap here, for displacements least .. most. */
+static int32_t meets(const sensor_row *v, const plfx_gather_block *b, int32_t least,
+                     int32_t most)
+{
+    int32_t first = plfx_min_i32(v->from, v->before);
+
+    return b->most_q16 >= b->least_q16 &&
+           plfx_asr_i32(b->most_q16 + most, 16) >= first &&
+           plfx_asr_i32(b->least_q16 + least, 16) <= v->to;
+}
+
+/* All views of a block. */
+static void block_taps(const plfx_gather *g, const sensor_row *v,
+                       const plfx_gather_block *b, const int32_t *cx, const int32_t *cy,
+                       uint16_t *to)
+{
+    size_t nx = (size_t)g->lut->lattice.nx;
+    int32_t k;
+
+    for (k = 0; k < g->n; k++) {
+        plfx_point s = g->shift[k];
+        if (meets(v, b, s.y_q16, s.y_q16)) {
+            if (b->inside) {
+                taps(v, cx, cy, s, to + (size_t)k * nx);
+            } else {
+                taps_beside(v, cx, cy, s, to + (size_t)k * nx);
+            }
+        }
     }
 }
 
 void plfx_gather_lanes(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *row)
 {
-    int32_t k;
-    row_view v;
+    int32_t slot = j % g->open;
+    const plfx_gather_lenses *l = &g->lens[slot];
+    uint16_t *to = g->rows + (size_t)(slot * g->n) * (size_t)g->lut->lattice.nx;
+    int32_t b;
+    sensor_row v;
 
     v.px = g->pixels ? g->pixels : (const uint16_t *)(const void *)row->bytes;
-    v.y = y;
+    v.from = y == 0 ? ABOVE : y; /* rows off the sensor take its first or last */
+    v.to = y == g->lut->sensor_h - 1 ? INT32_MAX : y;
+    v.before = y - 1;
     v.last_x = g->lut->sensor_w - 1;
-    v.last_y = g->lut->sensor_h - 1;
     v.down = g->bits - 8;
     v.half = (1u << v.down) >> 1;
-    for (k = 0; k < g->n; k++) {
-        v.shift = g->shift[k];
-        view_taps(g, &v, k, j % g->open);
-    }
-}
-
-/* From the row's order to columns; missing lenses are 0. */
-void plfx_gather_place(plfx_gather *g, int32_t j)
-{
-    int32_t slot = j % g->open;
-    const plfx_gather_order *o = &g->order[slot];
-    size_t nx = (size_t)g->lut->lattice.nx;
-    int32_t m = o->count > 0 ? o->start[o->count] : 0;
-    int32_t k;
-    int32_t i;
-
-    for (k = 0; k < g->n; k++) {
-        uint16_t *row = g->rows + (size_t)(slot * g->n + k) * nx;
-        memcpy(g->line, row, nx * sizeof(uint16_t));
-        for (i = 0; i < m; i++) {
-            row[o->lens[i]] = g->line[i];
+    for (b = 0; b < g->blocks; b++) {
+        if (meets(&v, l->block + b, g->least.y_q16, g->most.y_q16)) {
+            block_taps(g, &v, l->block + b, l->x_q16 + b * LANES, l->y_q16 + b * LANES,
+                       to + b * LANES);
         }
     }
 }

@@ -150,9 +150,6 @@ static int32_t fits(const plfx_gather *g, int32_t open, int32_t ny)
         }
         lo = s.lo;
         hi = s.hi;
-        if (hi - lo >= PLFX_GATHER_ROWS) {
-            return 0;
-        }
         if (j + open < ny) {
             plfx_rows_span next = plfx_gather_span(g, j + open);
             if (next.lo <= s.hi && next.hi >= next.lo) {

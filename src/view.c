@@ -3,15 +3,18 @@
 #include "fix.h"
 #include "mend.h"
 #include "sure.h"
+#include "taps.h"
 
-typedef struct sampler { /* what is the same for every lens of a call */
-    const plfx_lut *lut;
-    const plfx_raw *raw;
-    const plfx_tone *tone;
-    plfx_point shift; /* offset and tone displacement, q16 px */
-    int32_t up;       /* 16 - raw bits: left-justifies a pixel */
-    uint32_t clipped; /* a 16-bit sample from here on is clipped */
-} sampler;
+#define LANES 8 /* lenses of a block */
+#define BAND  4 /* lens rows: their sensor rows stay in the second-level cache */
+#define RUN   3 /* views side by side from which they are sampled at once, */
+#if PLFX_LANES >= 8
+#define SIDE  16 /* so many at most */
+#define CHUNK 40 /* views sampled from a band of lens rows before the next */
+#else            /* small cores: little stack */
+#define SIDE  8
+#define CHUNK 8
+#endif
 
 plfx_tone plfx_tone_unity(int32_t bits)
 {
@@ -35,67 +38,33 @@ plfx_point plfx_view_offset(const plfx_lut *lut, plfx_offset at)
     return p;
 }
 
-/* Pixels x0 and x1 of row y, right-justified. */
-static void two_pixels(const plfx_raw *raw, int32_t x0, int32_t x1, int32_t y,
-                       uint32_t p[2])
-{
-    plfx_raw_row row;
-    uint16_t v[2] = {0, 0};
+typedef struct sampler { /* what is the same for every lens of a call */
+    const plfx_lut *lut;
+    const plfx_raw *raw;
+    const uint16_t *px; /* the frame when it is of plain pixels, else NULL */
+    plfx_curve curve;
+    int32_t w, h, down, white;
+    uint32_t half;
+    int32_t fine; /* 1: plain pixels of 12 bits and less */
+    /* Displacements of views: whole pixels, and the rest in 2^-16. */
+    int16_t x_px[CHUNK], y_px[CHUNK];
+    uint16_t x_u16[CHUNK + SIDE], y_u16[CHUNK + SIDE];
+    uint8_t run[CHUNK]; /* views from this one on that lie side by side, SIDE at most */
+} sampler;
 
-    if (raw->format == PLFX_RAW_U16) {
-        const uint16_t *px =
-            (const uint16_t *)(const void *)raw->bytes + (size_t)y * (size_t)raw->w;
-        p[0] = px[x0];
-        p[1] = px[x1];
-    } else {
-        plfx_sure(plfx_raw_row_at(raw, y, &row));
-        plfx_sure(plfx_raw_unpack(&row, x0, x1 - x0 + 1, v));
-        p[0] = v[0];
-        p[1] = v[x1 - x0];
-    }
+static plfx_point shift_of(const sampler *s, int32_t k)
+{
+    plfx_point d;
+
+    d.x_q16 = s->x_px[k] * 65536 + s->x_u16[k];
+    d.y_q16 = s->y_px[k] * 65536 + s->y_u16[k];
+    return d;
 }
 
-static uint32_t along_row(const sampler *s, int32_t x_q8, int32_t y)
-{
-    int32_t x = plfx_asr_i32(x_q8, 8);
-    uint32_t f = (uint32_t)(x_q8 - 256 * x);
-    int32_t x0 = plfx_clamp_i32(x, 0, s->raw->w - 1);
-    int32_t x1 = plfx_clamp_i32(x + 1, 0, s->raw->w - 1);
-    int32_t k = s->raw->bits - 8;
-    uint32_t p[2] = {0, 0};
-
-    two_pixels(s->raw, x0, x1, y, p);
-    return (p[0] * (256u - f) + p[1] * f + ((1u << k) >> 1)) >> k;
-}
-
-/* Sample beside the centre c, 16 bits. */
-static uint32_t sample_u16(const sampler *s, plfx_point c)
-{
-    int32_t x_q8 = plfx_asr_i32(c.x_q16 + s->shift.x_q16 + 128, 8);
-    int32_t y_q8 = plfx_asr_i32(c.y_q16 + s->shift.y_q16 + 128, 8);
-    int32_t y = plfx_asr_i32(y_q8, 8);
-    uint32_t f = (uint32_t)(y_q8 - 256 * y);
-    uint32_t h0 = along_row(s, x_q8, plfx_clamp_i32(y, 0, s->raw->h - 1));
-    uint32_t h1 = along_row(s, x_q8, plfx_clamp_i32(y + 1, 0, s->raw->h - 1));
-
-    return (h0 * (256u - f) + h1 * f + 128u) >> 8;
-}
-
-/* Black level, white gain, tone: the view sample of a 16-bit sample. */
-static uint16_t toned(const sampler *s, uint32_t v, uint32_t gain_u13)
-{
-    const plfx_tone *t = s->tone;
-    uint32_t top = (1u << t->bits) - 1u;
-    int32_t down = 28 - t->bits - t->shift; /* 8 .. 28 */
-    uint32_t lit = v > t->black_u16 ? v - t->black_u16 : 0u;
-    uint32_t even = (lit * gain_u13 + 4096u) >> 13; /* 19 bits */
-    uint64_t out = ((uint64_t)even * t->gain_q12 + ((uint64_t)1 << (down - 1))) >> down;
-
-    if (v >= s->clipped || out > top) {
-        return (uint16_t)top;
-    }
-    return (uint16_t)out;
-}
+typedef struct block { /* lenses side by side: centres and their bounds */
+    int32_t x_q16[LANES], y_q16[LANES];
+    plfx_point least, most;
+} block;
 
 static int32_t tone_ok(const plfx_tone *t)
 {
@@ -112,94 +81,412 @@ static int32_t raw_ok(const plfx_lut *lut, const plfx_raw *raw)
 
 static int32_t views_ok(const plfx_lut *lut, const plfx_views *v)
 {
-    return v && v->px && v->n >= 1 && v->n <= PLFX_VIEWS_MAX &&
+    return v && v->px && v->n >= 1 && v->n <= PLFX_DECODE_MAX &&
            v->nx == lut->lattice.nx && v->ny == lut->lattice.ny;
 }
 
-static void fill_row(const sampler *s, int32_t j, int32_t nx, uint16_t *row)
+static plfx_status check(const plfx_lut *lut, const plfx_raw *raw,
+                         const plfx_tone *tone, const plfx_views *out)
+{
+    plfx_raw_row first;
+
+    if (!lut || !raw_ok(lut, raw) || !tone_ok(tone) || !views_ok(lut, out)) {
+        return PLFX_E_ARG;
+    }
+    return plfx_raw_row_at(raw, 0, &first); /* format, bits, size */
+}
+
+/* Pixels x and x + 1 of row y, indices clamped to the sensor. */
+static uint32_t two_clamped(const sampler *s, int32_t x, int32_t y)
+{
+    int32_t x0 = plfx_clamp_i32(x, 0, s->w - 1);
+    int32_t x1 = plfx_clamp_i32(x + 1, 0, s->w - 1);
+    uint16_t v[2] = {0, 0};
+    plfx_raw_row row;
+
+    if (s->px) {
+        const uint16_t *px = s->px + (size_t)y * (size_t)s->w;
+        return px[x0] | (uint32_t)px[x1] << 16;
+    }
+    plfx_sure(plfx_raw_row_at(s->raw, y, &row));
+    plfx_sure(plfx_raw_unpack(&row, x0, x1 - x0 + 1, v));
+    return v[0] | (uint32_t)v[x1 - x0] << 16;
+}
+
+/* Sample at a point that holds the rounding half, 16 bits. */
+static uint32_t sample_at(const sampler *s, int32_t x_q16, int32_t y_q16)
+{
+    int32_t x = plfx_asr_i32(x_q16, 16);
+    int32_t y = plfx_asr_i32(y_q16, 16);
+    uint32_t f = ((uint32_t)x_q16 >> 8) & 255u;
+    uint32_t two0 = two_clamped(s, x, plfx_clamp_i32(y, 0, s->h - 1));
+    uint32_t two1 = two_clamped(s, x, plfx_clamp_i32(y + 1, 0, s->h - 1));
+    uint32_t h0 = plfx_along(two0, f, s->half, s->down);
+    uint32_t h1 = plfx_along(two1, f, s->half, s->down);
+
+    return plfx_across(h0, h1, ((uint32_t)y_q16 >> 8) & 255u);
+}
+
+static void bound(block *b)
+{
+    int32_t k;
+
+    b->least.x_q16 = b->most.x_q16 = b->x_q16[0];
+    b->least.y_q16 = b->most.y_q16 = b->y_q16[0];
+    for (k = 1; k < LANES; k++) {
+        b->least.x_q16 = plfx_min_i32(b->least.x_q16, b->x_q16[k]);
+        b->least.y_q16 = plfx_min_i32(b->least.y_q16, b->y_q16[k]);
+        b->most.x_q16 = plfx_max_i32(b->most.x_q16, b->x_q16[k]);
+        b->most.y_q16 = plfx_max_i32(b->most.y_q16, b->y_q16[k]);
+    }
+}
+
+/* Lenses i .. i+m-1 of lens row j.  Missing lenses, and lanes behind the last, stand
+ * where a measured one does: their samples are defined and not used. */
+static void place_block(const plfx_lut *lut, int32_t i, int32_t m, int32_t j, block *b)
+{
+    plfx_point c = {0, 0};
+    int32_t known = 0;
+    int32_t k;
+    int32_t l;
+
+    for (k = 0; k < LANES; k++) {
+        if (k < m && !(plfx_lut_flags(lut, i + k, j) & PLFX_LENS_MISSING)) {
+            c = plfx_lut_centre(lut, i + k, j);
+            for (l = known ? k : 0; l < k; l++) { /* those before the first */
+                b->x_q16[l] = c.x_q16;
+                b->y_q16[l] = c.y_q16;
+            }
+            known = 1;
+        }
+        b->x_q16[k] = c.x_q16;
+        b->y_q16[k] = c.y_q16;
+    }
+    bound(b);
+}
+
+/* 1: no tap of the block leaves the sensor, `spare` columns to the right included, for
+ * displacements between two. */
+static int32_t inside(const sampler *s, const block *b, plfx_point first,
+                      plfx_point last, int32_t spare)
+{
+    int32_t left = b->least.x_q16 + plfx_min_i32(first.x_q16, last.x_q16);
+    int32_t right = b->most.x_q16 + plfx_max_i32(first.x_q16, last.x_q16);
+    int32_t top = b->least.y_q16 + plfx_min_i32(first.y_q16, last.y_q16);
+    int32_t end = b->most.y_q16 + plfx_max_i32(first.y_q16, last.y_q16);
+
+    return left >= 0 && top >= 0 && plfx_asr_i32(right, 16) + spare < s->w &&
+           plfx_asr_i32(end, 16) + 1 < s->h;
+}
+
+/* One view of a block of m lenses; `to` holds the gains when they are wanted. */
+static void fill_block(const sampler *s, const block *b, int32_t k, int32_t m,
+                       uint16_t *to)
+{
+    plfx_point d = shift_of(s, k);
+    int32_t l;
+
+    for (l = 0; l < m; l++) {
+        uint32_t v = sample_at(s, b->x_q16[l] + d.x_q16, b->y_q16[l] + d.y_q16);
+        to[l] = (uint16_t)(s->white ? plfx_toned_white(s->curve, v, to[l])
+                                    : plfx_toned(s->curve, v));
+    }
+}
+
+/* Means along SIDE pairs of neighbours at px, 16 bits: view.h's h in 16-bit steps.
+ * With g = f - 128, d = q - p under 2^12, k = bits - 8, up = 15 - bits:
+ *   (p*256 + d*f + half) >> k = ((p + q) << up) + ((d*g + half) >> k)
+ * and the last term is the rounded product of d << up and g << 8, both signed 16;
+ * scale = 2^up, because a shift by a variable is done in wider lanes. */
+static inline void along_run(const uint16_t *restrict px, const int16_t *restrict g,
+                             uint16_t scale, uint16_t *restrict h)
 {
     int32_t i;
 
-    for (i = 0; i < nx; i++) { /* row[i] holds the gain until it is replaced */
-        if (plfx_lut_flags(s->lut, i, j) & PLFX_LENS_MISSING) {
-            row[i] = 0; /* mended below */
-        } else {
-            row[i] = toned(s, sample_u16(s, plfx_lut_centre(s->lut, i, j)), row[i]);
+    PLFX_LANE_LOOP(i, SIDE)
+    {
+        uint16_t p = px[i];
+        uint16_t q = px[i + 1];
+        uint16_t sum = (uint16_t)(p + q);
+        uint16_t less = (uint16_t)(q - p);
+        int16_t d = (int16_t)(uint16_t)(less * scale);
+        int16_t e = (int16_t)plfx_asr_i32(plfx_asr_i32(d * g[i], 14) + 1, 1);
+        h[i] = (uint16_t)((uint16_t)(sum * scale) + (uint16_t)e);
+    }
+}
+
+/* Views side by side of one lens: their pixels lie side by side as well, px the first.
+ * Toned unless gains are still to come. */
+static inline void sample_run(const sampler *s, plfx_point c, int32_t k,
+                              const uint16_t *restrict px, uint16_t *restrict out)
+{
+    const uint16_t *restrict sx = s->x_u16 + k;
+    const uint16_t *restrict sy = s->y_u16 + k;
+    uint16_t cx = (uint16_t)((uint32_t)c.x_q16 & 65535u);
+    uint16_t cy = (uint16_t)((uint32_t)c.y_q16 & 65535u);
+    uint16_t scale = (uint16_t)(128u >> s->down);
+    plfx_curve curve = s->curve;
+    int16_t g[SIDE];
+    uint16_t f[SIDE];
+    uint16_t upper[SIDE];
+    uint16_t lower[SIDE];
+    uint32_t v[SIDE];
+    int32_t i;
+
+    PLFX_LANE_LOOP(i, SIDE)
+    {
+        g[i] = (int16_t)(((uint16_t)(cx + sx[i]) & 0xff00u) ^ 0x8000u);
+        f[i] = (uint16_t)((uint16_t)(cy + sy[i]) >> 8);
+    }
+    along_run(px, g, scale, upper);
+    along_run(px + s->w, g, scale, lower);
+    PLFX_LANE_LOOP(i, SIDE)
+    {
+        v[i] = plfx_across(upper[i], lower[i], f[i]);
+    }
+    if (!s->white) {
+        PLFX_LANE_LOOP(i, SIDE)
+        {
+            v[i] = plfx_toned(curve, v[i]);
         }
     }
-    plfx_mend_row(s->lut, j, row);
+    PLFX_LANE_LOOP(i, SIDE)
+    {
+        out[i] = (uint16_t)v[i];
+    }
 }
 
-static void gains(const plfx_lut *lut, plfx_offset at, int32_t white, int32_t j,
-                  uint16_t *row)
+/* The same one by one, where a fraction of a pixel parts the views. */
+static void sample_parted(const sampler *s, plfx_point c, int32_t k, int32_t n,
+                          uint16_t *out)
 {
     int32_t i;
 
-    for (i = 0; i < lut->lattice.nx; i++) {
-        row[i] = 8192u;
-    }
-    if (white) {
-        plfx_sure(plfx_lut_gain_row(lut, j, at.u_q8, at.v_q8, row));
+    for (i = 0; i < n; i++) {
+        plfx_point d = shift_of(s, k + i);
+        uint32_t v = sample_at(s, c.x_q16 + d.x_q16, c.y_q16 + d.y_q16);
+        out[i] = (uint16_t)(s->white ? v : plfx_toned(s->curve, v));
     }
 }
 
-static sampler start(const plfx_lut *lut, const plfx_raw *raw, const plfx_tone *tone,
-                     plfx_offset at)
+/* 1: pixels of n views do not lie side by side for the lens at c, displaced by `first`
+ * .. `last`.  Displacements are a straight line, rounded: when the last view's pixel is
+ * n-1 beside the first one's, so are those between. */
+static int32_t parted(plfx_point c, plfx_point first, plfx_point last, int32_t n)
 {
-    sampler s;
-    uint32_t full;
+    return plfx_asr_i32(c.x_q16 + last.x_q16, 16) -
+                   plfx_asr_i32(c.x_q16 + first.x_q16, 16) !=
+               n - 1 ||
+           plfx_asr_i32(c.y_q16 + last.y_q16, 16) !=
+               plfx_asr_i32(c.y_q16 + first.y_q16, 16);
+}
 
-    s.lut = lut;
-    s.raw = raw;
-    s.tone = tone;
-    s.shift = plfx_view_offset(lut, at);
-    s.shift.x_q16 += 256 * tone->dx_q8;
-    s.shift.y_q16 += 256 * tone->dy_q8;
-    s.up = 16 - raw->bits;
-    full = ((1u << raw->bits) - 1u) << s.up;
-    s.clipped = full < tone->sat_u16 ? full : tone->sat_u16;
-    return s;
+/* n views from view k on of all lenses of a block, [lens][view]. */
+static void sample_tile(const sampler *s, const block *b, int32_t k, int32_t n,
+                        uint16_t (*restrict tile)[SIDE])
+{
+    plfx_point first = shift_of(s, k);
+    plfx_point last = shift_of(s, k + n - 1);
+    const uint16_t *px = s->px;
+    int32_t at[LANES]; /* the first view's pixel */
+    int32_t l;
+
+    PLFX_LANE_LOOP(l, LANES)
+    {
+        at[l] = plfx_asr_i32(b->y_q16[l] + first.y_q16, 16) * s->w +
+                plfx_asr_i32(b->x_q16[l] + first.x_q16, 16);
+    }
+    for (l = 0; l < LANES; l++) {
+        plfx_point c = {b->x_q16[l], b->y_q16[l]};
+        sample_run(s, c, k, px + at[l], tile[l]);
+    }
+    for (l = 0; l < LANES; l++) {
+        plfx_point c = {b->x_q16[l], b->y_q16[l]};
+        if (parted(c, first, last, n)) {
+            sample_parted(s, c, k, n, tile[l]);
+        }
+    }
+}
+
+/* The same, turned into rows of the views. */
+static void fill_run(const sampler *s, const block *b, int32_t k, int32_t n,
+                     uint16_t *to)
+{
+    size_t nx = (size_t)s->lut->lattice.nx;
+    uint16_t tile[LANES][SIDE];
+    int32_t i;
+    int32_t l;
+
+    sample_tile(s, b, k, n, tile);
+    for (i = 0; i < n && !s->white; i++) {
+        uint16_t *restrict row = to + (size_t)i * nx;
+        for (l = 0; l < LANES; l++) {
+            row[l] = tile[l][i];
+        }
+    }
+    for (i = 0; i < n && s->white; i++) {
+        uint16_t *restrict row = to + (size_t)i * nx;
+        for (l = 0; l < LANES; l++) {
+            row[l] = (uint16_t)plfx_toned_white(s->curve, tile[l][i], row[l]);
+        }
+    }
+}
+
+/* n views of a block of m lenses. */
+static void fill_views(const sampler *s, const block *b, int32_t n, int32_t m,
+                       uint16_t *to)
+{
+    size_t nx = (size_t)s->lut->lattice.nx;
+    int32_t k;
+    int32_t run;
+
+    for (k = 0; k < n; k += run) {
+        run = s->run[k];
+        if (run >= RUN && m == LANES && s->fine &&
+            inside(s, b, shift_of(s, k), shift_of(s, k + run - 1), SIDE + 1 - run)) {
+            fill_run(s, b, k, run, to + (size_t)k * nx);
+        } else {
+            run = 1;
+            fill_block(s, b, k, m, to + (size_t)k * nx);
+        }
+    }
+}
+
+/* Lens row j of n views, whose rows lie one behind the other. */
+static void fill_row(const sampler *s, const plfx_offset *at, int32_t n, int32_t j,
+                     uint16_t *rows)
+{
+    int32_t nx = s->lut->lattice.nx;
+    int32_t i;
+    int32_t k;
+    block b;
+
+    for (k = 0; s->white && k < n; k++) {
+        plfx_sure(plfx_lut_gain_row(s->lut, j, at[k].u_q8, at[k].v_q8,
+                                    rows + (size_t)k * (size_t)nx));
+    }
+    for (i = 0; i < nx; i += LANES) {
+        int32_t m = plfx_min_i32(LANES, nx - i);
+        place_block(s->lut, i, m, j, &b);
+        fill_views(s, &b, n, m, rows + i);
+    }
+    for (k = 0; k < n; k++) {
+        plfx_mend_row(s->lut, j, rows + (size_t)k * (size_t)nx);
+    }
+}
+
+static void start(sampler *s, const plfx_lut *lut, const plfx_raw *raw,
+                  const plfx_tone *tone, int32_t white)
+{
+    s->lut = lut;
+    s->raw = raw;
+    s->px =
+        raw->format == PLFX_RAW_U16 ? (const uint16_t *)(const void *)raw->bytes : NULL;
+    s->curve = plfx_curve_of(tone, raw->bits);
+    s->w = raw->w;
+    s->h = raw->h;
+    s->down = raw->bits - 8;
+    s->half = (1u << s->down) >> 1;
+    s->white = white && lut->gain.length > 0;
+    s->fine = s->px && raw->bits <= 12;
+}
+
+/* Views from at[0] on that lie side by side, one pixel apart. */
+static int32_t run_of(const plfx_offset *at, int32_t n)
+{
+    int32_t i = 1;
+
+    while (i < n && i < SIDE && at[i].u_q8 == at[i - 1].u_q8 + 256 &&
+           at[i].v_q8 == at[0].v_q8) {
+        i++;
+    }
+    return i;
+}
+
+/* Displacements of n views. */
+static void aim(sampler *s, const plfx_tone *tone, const plfx_offset *at, int32_t n)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        plfx_point d = plfx_tap_shift(s->lut, tone, at[i]);
+        s->x_px[i] = (int16_t)plfx_asr_i32(d.x_q16, 16);
+        s->y_px[i] = (int16_t)plfx_asr_i32(d.y_q16, 16);
+        s->x_u16[i] = (uint16_t)((uint32_t)d.x_q16 & 65535u);
+        s->y_u16[i] = (uint16_t)((uint32_t)d.y_q16 & 65535u);
+        s->run[i] = (uint8_t)run_of(at + i, n - i);
+    }
+    for (; i < n + SIDE; i++) { /* read with the last views, not used */
+        s->x_u16[i] = 0;
+        s->y_u16[i] = 0;
+    }
+}
+
+/* Views of the next chunk: as many as fit whose last run is not cut. */
+static int32_t chunk_of(const plfx_offset *at, int32_t n)
+{
+    int32_t m = 0;
+
+    while (m < n) {
+        int32_t run = run_of(at + m, n - m);
+        if (m + run > CHUNK) {
+            break;
+        }
+        m += run;
+    }
+    return m;
+}
+
+/* Lens rows j0 .. j1-1 of views k0 .. k0+n-1 of `out`: views a chunk at a time, so that
+ * their displacements are found once a band. */
+static void fill(sampler *s, const plfx_tone *tone, const plfx_offset *at, int32_t n,
+                 int32_t j0, int32_t j1, const plfx_views *out, int32_t k0)
+{
+    int32_t k;
+    int32_t m;
+    int32_t j;
+
+    for (k = 0; k < n; k += m) {
+        m = chunk_of(at + k, n - k);
+        aim(s, tone, at + k, m);
+        for (j = j0; j < j1; j++) {
+            size_t row = (size_t)j * (size_t)out->n + (size_t)(k0 + k);
+            fill_row(s, at + k, m, j, out->px + row * (size_t)out->nx);
+        }
+    }
 }
 
 plfx_status plfx_view_rows(const plfx_lut *lut, const plfx_raw *raw,
                            const plfx_tone *tone, plfx_offset at, int32_t white,
                            int32_t j0, int32_t j1, const plfx_views *out, int32_t k)
 {
-    plfx_raw_row first;
-    plfx_status status;
+    plfx_status status = check(lut, raw, tone, out);
     sampler s;
-    int32_t j;
 
-    if (!lut || !raw_ok(lut, raw) || !tone_ok(tone) || !views_ok(lut, out) || k < 0 ||
-        k >= out->n || j0 < 0 || j1 > out->ny || j0 > j1) {
+    if (status == PLFX_E_ARG || k < 0 || k >= out->n || j0 < 0 || j1 > out->ny ||
+        j0 > j1) {
         return PLFX_E_ARG;
     }
-    status = plfx_raw_row_at(raw, 0, &first); /* format, bits, size */
-    if (status != PLFX_OK) {
-        return status;
+    if (status == PLFX_OK) {
+        start(&s, lut, raw, tone, white);
+        fill(&s, tone, &at, 1, j0, j1, out, k);
     }
-    s = start(lut, raw, tone, at);
-    for (j = j0; j < j1; j++) {
-        uint16_t *row =
-            out->px + ((size_t)j * (size_t)out->n + (size_t)k) * (size_t)out->nx;
-        gains(lut, at, white, j, row);
-        fill_row(&s, j, out->nx, row);
-    }
-    return PLFX_OK;
+    return status;
 }
 
 plfx_status plfx_view_all(const plfx_lut *lut, const plfx_raw *raw,
                           const plfx_tone *tone, const plfx_offset *at, int32_t white,
                           const plfx_views *out)
 {
-    plfx_status status = PLFX_OK;
-    int32_t k;
+    plfx_status status = at ? check(lut, raw, tone, out) : PLFX_E_ARG;
+    sampler s;
+    int32_t j;
 
-    if (!lut || !at || !views_ok(lut, out)) {
-        return PLFX_E_ARG;
-    }
-    for (k = 0; k < out->n && status == PLFX_OK; k++) {
-        status = plfx_view_rows(lut, raw, tone, at[k], white, 0, out->ny, out, k);
+    if (status == PLFX_OK) {
+        start(&s, lut, raw, tone, white);
+        for (j = 0; j < out->ny; j += BAND) {
+            fill(&s, tone, at, out->n, j, plfx_min_i32(j + BAND, out->ny), out, 0);
+        }
     }
     return status;
 }

@@ -301,7 +301,7 @@ static int run_decode(bench *b, const camera *c, const char *name, int side)
                     SENSOR_H};
     plfx_tone tone = plfx_tone_unity(12);
     result r = {name, INFINITY, 0, 0};
-    plfx_offset at[PLFX_VIEWS_MAX];
+    plfx_offset at[13 * 13];
 
     for (int k = 0; k < n; k++) {
         at[k].u_q8 = (int16_t)(256 * (k % side - side / 2));
@@ -332,8 +332,8 @@ static int run_cameras(bench *b)
     for (size_t k = 0; rc == 0 && k < sizeof streams / sizeof streams[0]; k++) {
         rc = wanted(b, streams[k].name) ? run_stream(b, &c, &streams[k]) : 0;
     }
-    if (rc == 0 && wanted(b, "decode 11x11 views")) {
-        rc = run_decode(b, &c, "decode 11x11 views", 11);
+    if (rc == 0 && wanted(b, "decode 13x13 views")) {
+        rc = run_decode(b, &c, "decode 13x13 views", 13);
     }
     free(c.blob);
     free(c.frame);

@@ -24,7 +24,7 @@ CASES = {  # name in plenofix bench: functions, cells
     'NCC 640x480 17 labels 9x9': (['plfx_sweep'], 640 * 480 * 17),
     'stream 5 views fast': (['plfx_stream_push', 'plfx_stream_pop'], SENSOR * 17),
     'stream 5 views small': (['plfx_stream_push', 'plfx_stream_pop'], SENSOR * 17),
-    'decode 11x11 views': (['plfx_view_all'], SENSOR * 121),
+    'decode 13x13 views': (['plfx_view_all'], SENSOR * 169),
 }
 
 

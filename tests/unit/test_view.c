@@ -309,7 +309,7 @@ static void bad_arguments(void **state)
     v.ny++;
     assert_int_equal(ROWS(&lut, &raw, &tone, 0, 1, &v, 0), PLFX_E_ARG);
     v.ny--;
-    v.n = PLFX_VIEWS_MAX + 1;
+    v.n = PLFX_DECODE_MAX + 1;
     assert_int_equal(ROWS(&lut, &raw, &tone, 0, 1, &v, 0), PLFX_E_ARG);
     v.n = 2;
     assert_int_equal(plfx_view_all(NULL, &raw, &tone, &at, 0, &v), PLFX_E_ARG);
