@@ -7,13 +7,13 @@
 
 #define LANES 8 /* lenses of a block */
 #define BAND  4 /* lens rows: their sensor rows stay in the second-level cache */
-#define RUN   3 /* views side by side from which they are sampled at once, */
 #if PLFX_LANES >= 8
+#define RUN   3  /* views side by side from which they are sampled at once, */
 #define SIDE  16 /* so many at most */
 #define CHUNK 40 /* views sampled from a band of lens rows before the next */
-#else            /* small cores: little stack */
-#define SIDE  8
-#define CHUNK 8
+#else            /* small cores: view by view, little code and stack */
+#define SIDE  1
+#define CHUNK 16
 #endif
 
 plfx_tone plfx_tone_unity(int32_t bits)
@@ -165,20 +165,6 @@ static void place_block(const plfx_lut *lut, int32_t i, int32_t m, int32_t j, bl
     bound(b);
 }
 
-/* 1: no tap of the block leaves the sensor, `spare` columns to the right included, for
- * displacements between two. */
-static int32_t inside(const sampler *s, const block *b, plfx_point first,
-                      plfx_point last, int32_t spare)
-{
-    int32_t left = b->least.x_q16 + plfx_min_i32(first.x_q16, last.x_q16);
-    int32_t right = b->most.x_q16 + plfx_max_i32(first.x_q16, last.x_q16);
-    int32_t top = b->least.y_q16 + plfx_min_i32(first.y_q16, last.y_q16);
-    int32_t end = b->most.y_q16 + plfx_max_i32(first.y_q16, last.y_q16);
-
-    return left >= 0 && top >= 0 && plfx_asr_i32(right, 16) + spare < s->w &&
-           plfx_asr_i32(end, 16) + 1 < s->h;
-}
-
 /* One view of a block of m lenses; `to` holds the gains when they are wanted. */
 static void fill_block(const sampler *s, const block *b, int32_t k, int32_t m,
                        uint16_t *to)
@@ -191,6 +177,21 @@ static void fill_block(const sampler *s, const block *b, int32_t k, int32_t m,
         to[l] = (uint16_t)(s->white ? plfx_toned_white(s->curve, v, to[l])
                                     : plfx_toned(s->curve, v));
     }
+}
+
+#if PLFX_LANES >= 8
+/* 1: no tap of the block leaves the sensor, `spare` columns to the right included, for
+ * displacements between two. */
+static int32_t inside(const sampler *s, const block *b, plfx_point first,
+                      plfx_point last, int32_t spare)
+{
+    int32_t left = b->least.x_q16 + plfx_min_i32(first.x_q16, last.x_q16);
+    int32_t right = b->most.x_q16 + plfx_max_i32(first.x_q16, last.x_q16);
+    int32_t top = b->least.y_q16 + plfx_min_i32(first.y_q16, last.y_q16);
+    int32_t end = b->most.y_q16 + plfx_max_i32(first.y_q16, last.y_q16);
+
+    return left >= 0 && top >= 0 && plfx_asr_i32(right, 16) + spare < s->w &&
+           plfx_asr_i32(end, 16) + 1 < s->h;
 }
 
 /* Means along SIDE pairs of neighbours at px, 16 bits: view.h's h in 16-bit steps.
@@ -332,23 +333,38 @@ static void fill_run(const sampler *s, const block *b, int32_t k, int32_t n,
     }
 }
 
+/* From view k on as many as lie side by side, at once where the block allows it. */
+static int32_t fill_some(const sampler *s, const block *b, int32_t k, int32_t m,
+                         uint16_t *to)
+{
+    int32_t run = s->run[k];
+
+    if (run >= RUN && m == LANES && s->fine &&
+        inside(s, b, shift_of(s, k), shift_of(s, k + run - 1), SIDE + 1 - run)) {
+        fill_run(s, b, k, run, to);
+        return run;
+    }
+    fill_block(s, b, k, m, to);
+    return 1;
+}
+#else
+static int32_t fill_some(const sampler *s, const block *b, int32_t k, int32_t m,
+                         uint16_t *to)
+{
+    fill_block(s, b, k, m, to);
+    return 1;
+}
+#endif
+
 /* n views of a block of m lenses. */
 static void fill_views(const sampler *s, const block *b, int32_t n, int32_t m,
                        uint16_t *to)
 {
     size_t nx = (size_t)s->lut->lattice.nx;
-    int32_t k;
-    int32_t run;
+    int32_t k = 0;
 
-    for (k = 0; k < n; k += run) {
-        run = s->run[k];
-        if (run >= RUN && m == LANES && s->fine &&
-            inside(s, b, shift_of(s, k), shift_of(s, k + run - 1), SIDE + 1 - run)) {
-            fill_run(s, b, k, run, to + (size_t)k * nx);
-        } else {
-            run = 1;
-            fill_block(s, b, k, m, to + (size_t)k * nx);
-        }
+    while (k < n) {
+        k += fill_some(s, b, k, m, to + (size_t)k * nx);
     }
 }
 

@@ -247,6 +247,97 @@ static void formats_agree(void **state)
     assert_int_equal(plfx_view_all(&lut, &raw, &tone, &at, 0, &v), PLFX_E_SIZE);
 }
 
+#define WIDE 240
+#define TALL 90
+#define MANY 19       /* lenses of a row: two blocks and three */
+#define GRID (19 * 3) /* views */
+
+/* Most lenses at 1/8 of the sensor from its border: their views lie side by side. */
+static plfx_lut open_wide(double degrees, int32_t bits)
+{
+    static uint16_t profile[81], gain[MANY * 4];
+    static uint8_t flags[MANY * 4];
+    plfx_lut_desc d;
+    plfx_lut lut;
+
+    memset(&d, 0, sizeof d);
+    d.sensor_w = WIDE;
+    d.sensor_h = TALL;
+    d.sensor_bits = bits;
+    d.lattice.nx = MANY;
+    d.lattice.ny = 4;
+    d.lattice.origin.x_q16 = 20 * 65536 + 1234;
+    d.lattice.origin.y_q16 = 25 * 65536 + 4321;
+    d.lattice.a.x_q22 = (int32_t)lround(cos(degrees / 57.29578) * 10.5 * 4194304);
+    d.lattice.a.y_q22 = (int32_t)lround(sin(degrees / 57.29578) * 10.5 * 4194304);
+    d.lattice.b.x_q22 = -d.lattice.a.y_q22;
+    d.lattice.b.y_q22 = d.lattice.a.x_q22;
+    d.radius_q8 = 3 * 256;
+    for (int i = 0; i < MANY * 4; i++) {
+        flags[i] = i % 11 == 3 ? PLFX_LENS_MISSING : 0;
+        gain[i] = (uint16_t)(8192 + 50 * i);
+        profile[i] = (uint16_t)(8192 + 50 * i);
+    }
+    d.flags = flags;
+    d.zones_x = 1;
+    d.zones_y = 1;
+    d.profile_r = 4;
+    d.profile_u13 = profile;
+    d.lens_gain_u13 = gain;
+    assert_true(plfx_lut_bytes(&d) <= sizeof blob);
+    assert_int_equal(plfx_lut_write(&d, blob, sizeof blob), PLFX_OK);
+    assert_int_equal(plfx_lut_open(&lut, blob, plfx_lut_bytes(&d)), PLFX_OK);
+    return lut;
+}
+
+/* Three runs of 19 views one pixel apart, the last one with gaps. */
+static void place_grid(plfx_offset *at, ref_rng *rng)
+{
+    int32_t u0 = ref_range(rng, -3500, 500);
+
+    for (int32_t k = 0; k < GRID; k++) {
+        at[k].u_q8 = (int16_t)(u0 + 256 * (k % 19) + (k > GRID - 4 ? 7 * k : 0));
+        at[k].v_q8 = (int16_t)(300 * (k / 19) - 200);
+    }
+}
+
+/* Views side by side are sampled at once: the same as each on its own. */
+static void grid_equals_single_views(void **state)
+{
+    static const double degrees[4] = {0, 0.05, -1, 4};
+    static uint16_t picture[WIDE * TALL], at_once[MANY * 4 * GRID],
+        single[MANY * 4 * GRID];
+    ref_rng rng = {9};
+
+    (void)state;
+    for (int32_t t = 0; t < 64; t++) {
+        int32_t bits = 8 + 2 * (t % 5);
+        plfx_lut lut = open_wide(degrees[t / 4 % 4], bits);
+        plfx_raw raw = {(const uint8_t *)picture,
+                        sizeof picture,
+                        PLFX_RAW_U16,
+                        (uint8_t)bits,
+                        WIDE,
+                        TALL};
+        plfx_views a = {at_once, MANY, 4, GRID};
+        plfx_views b = {single, MANY, 4, GRID};
+        plfx_tone tone = plfx_tone_unity(12);
+        plfx_offset at[GRID];
+        tone.black_u16 = (uint16_t)ref_range(&rng, 0, 9000);
+        tone.gain_q12 = (uint16_t)ref_range(&rng, 4096, 8191);
+        place_grid(at, &rng);
+        for (size_t i = 0; i < WIDE * TALL; i++) {
+            picture[i] = (uint16_t)ref_range(&rng, 0, (1 << bits) - 1);
+        }
+        assert_int_equal(plfx_view_all(&lut, &raw, &tone, at, t & 1, &a), PLFX_OK);
+        for (int32_t k = 0; k < GRID; k++) {
+            assert_int_equal(
+                plfx_view_rows(&lut, &raw, &tone, at[k], t & 1, 0, 4, &b, k), PLFX_OK);
+        }
+        assert_memory_equal(at_once, single, sizeof single);
+    }
+}
+
 static void bad_arguments(void **state)
 {
     plfx_lut lut = open_table(12, 0, 0);
@@ -325,6 +416,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(clipped_stays_clipped),
     cmocka_unit_test(missing_lens_takes_its_neighbours),
     cmocka_unit_test(formats_agree),
+    cmocka_unit_test(grid_equals_single_views),
     cmocka_unit_test(bad_arguments),
 };
 
