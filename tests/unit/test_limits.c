@@ -510,7 +510,7 @@ static void view_rows(void **state)
         V(tone.sat_u16, 1, OK),
         V(out.px, 0, ARG),
         V(out.n, 0, ARG),
-        V(out.n, PLFX_VIEWS_MAX + 1, ARG),
+        V(out.n, PLFX_DECODE_MAX + 1, ARG),
         V(out.nx, NX - 1, ARG),
         V(out.ny, NY + 1, ARG),
         V(k, -1, ARG),
