@@ -104,6 +104,7 @@ static void carve_rows(plfx_match *m, plfx_arena *a)
     size_t n = m->plan->cfg.n;
     size_t nx = (size_t)m->plan->nx;
     size_t wide = (size_t)m->blocks * PLFX_LANES;
+    size_t cells = (size_t)m->cells;
 
     m->tag =
         plfx_take(a, (size_t)m->depth + 3u * n + (size_t)m->pairs, sizeof(int32_t));
@@ -113,10 +114,10 @@ static void carve_rows(plfx_match *m, plfx_arena *a)
         m->step = m->pads + 2u * n;
     }
     m->strip = plfx_take(a, (size_t)m->depth * (size_t)m->slot_len, sizeof(int16_t));
-    m->line = plfx_take(a, wide, sizeof(int16_t));
     m->code = plfx_take(a, 2u * wide, sizeof(int16_t));
     m->conf = plfx_behind(m->code, wide, sizeof(uint16_t));
-    m->code_row = plfx_take(a, 3u * nx, sizeof(int16_t));
+    m->line = m->code; /* a row is striped before its winners are known */
+    m->code_row = plfx_take(a, 3u * nx > cells ? 3u * nx : cells, sizeof(int16_t));
     m->conf_row = plfx_behind(m->code_row, nx, sizeof(uint16_t));
     m->no_row = plfx_behind(m->conf_row, nx, sizeof(uint16_t));
     m->tex_ring = NULL;
@@ -150,7 +151,7 @@ void plfx_match_carve(plfx_match *m, const plfx_plan *plan, int32_t leave,
     if (m->leave == PLFX_LEAVE_COSTS) {
         m->ring = plfx_take(a, (size_t)plan->cfg.window * columns, cell);
     }
-    m->item = plfx_take(a, cells, cell);
+    m->item = (uint16_t *)m->code_row; /* judged when all costs have entered */
     m->gone = m->leave == PLFX_LEAVE_ROWS ? plfx_take(a, cells, cell) : NULL;
     m->zero = plfx_take(a, cells, cell);
     m->order = plfx_take(a, cells, cell);

@@ -363,7 +363,7 @@ static void fill_views(const sampler *s, const block *b, int32_t n, int32_t m,
     size_t nx = (size_t)s->lut->lattice.nx;
     int32_t k = 0;
 
-    while (k < n) {
+    while (k < n) { /* at most n times */
         k += fill_some(s, b, k, m, to + (size_t)k * nx);
     }
 }
@@ -412,6 +412,7 @@ static int32_t run_of(const plfx_offset *at, int32_t n)
 {
     int32_t i = 1;
 
+    /* at most SIDE times */
     while (i < n && i < SIDE && at[i].u_q8 == at[i - 1].u_q8 + 256 &&
            at[i].v_q8 == at[0].v_q8) {
         i++;
@@ -443,7 +444,7 @@ static int32_t chunk_of(const plfx_offset *at, int32_t n)
 {
     int32_t m = 0;
 
-    while (m < n) {
+    while (m < n) { /* at most CHUNK times */
         int32_t run = run_of(at + m, n - m);
         if (m + run > CHUNK) {
             break;

@@ -62,6 +62,39 @@ int32_t plfx_stream_open_rows(const plfx_lut *lut, const plfx_plan *plan,
  * content. */
 size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
 
+/* An upper bound of plfx_stream_ws() for static buffers, from sizes alone:
+ *   nx, n, labels, window   as in the plan
+ *   packed_w   pixels of a sensor row; 0 when rows are PLFX_RAW_U16
+ *   pairs      n - 1 for PAIRS, 0 for SWEEP
+ *   reach      the plan's reach_x: columns that a view is displaced at most
+ *   around     lens rows that vertical views need besides: 0 when all views lie along
+ *              u, else 2*(reach_y + 1)
+ *   open       open_rows
+ *   fast, texture   1: PLFX_PROFILE_FAST, the plan's texture test
+ *   lanes      PLFX_LANES of the build: 1 on small cores, 8 with SSE2, NEON or VSX, 16
+ *              with AVX2; 32 holds for all
+ * Each row of `around` costs n*nx*2 bytes, and n*nx*3/2 more in the small profile. */
+#define PLFX_STREAM_WIDE(nx, window, lanes)                                            \
+    ((nx) + (lanes) > (window) * (lanes) ? (nx) + (lanes) : (window) * (lanes))
+#define PLFX_STREAM_COLS(nx, pairs, labels, window, lanes)                             \
+    (2u * ((pairs) > 1u ? (pairs) : 1u) * (labels)*PLFX_STREAM_WIDE(nx, window, lanes))
+#define PLFX_STREAM_WS(nx, packed_w, n, pairs, labels, window, reach, around, open,    \
+                       fast, texture, lanes)                                           \
+    PLFX_ALIGNED(                                                                      \
+        2304u + (n) * (28u + (labels) * ((around) ? 40u : 8u)) +                       \
+        2u * (n) *                                                                     \
+            (PLFX_STREAM_WIDE(nx, window, lanes) + (2u * (reach) + 4u) * (lanes)) *    \
+            (1u + (around) + ((fast) && ((pairs) || (n) == 2u) ? (window) : 0u)) +     \
+        4u * PLFX_STREAM_WIDE(nx, window, lanes) + 8u * (nx) +                         \
+        ((texture) ? (12u + 2u * (window)) * (nx) : 0u) +                              \
+        PLFX_STREAM_COLS(nx, pairs, labels, window, lanes) *                           \
+            (1u + ((fast) && !(pairs) && (n) > 2u ? (window) : 0u)) +                  \
+        10u * (labels) * (lanes) + 8u * (labels) +                                     \
+        (pairs) * (8u * (labels) + 9u * (nx) + 128u) +                                 \
+        (open) * (2u * (n) * (nx) + ((fast) ? 9u * (nx) + 256u : 0u)) +                \
+        ((fast) ? 2u * (packed_w)                                                      \
+                : ((window) + (around)-1u) * (n) * ((nx)*3u / 2u + 1u)))
+
 /* PLFX_OK, PLFX_E_ARG (also NCC and GRADIENT plans), PLFX_E_SIZE, PLFX_E_RANGE (the
  * table needs more open rows). */
 plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *ws,

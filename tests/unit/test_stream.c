@@ -4,6 +4,7 @@
  * order of calls. */
 #include "suite.h"
 #include "ref.h"
+#include "kernels.h"
 
 #include <math.h>
 
@@ -299,6 +300,23 @@ static void compare(const scene *sc, int32_t j0, int32_t j1, int32_t profile,
     }
 }
 
+/* The bound of the macro for a configuration. */
+static size_t bound_of(const scene *sc, const plfx_stream_cfg *c)
+{
+    const plfx_plan *p = &sc->plan;
+    int32_t across = 0;
+
+    for (int32_t k = 0; k < p->cfg.n; k++) {
+        across |= p->dv_q8[k] != 0;
+    }
+    return PLFX_STREAM_WS(
+        (size_t)p->nx, c->format == PLFX_RAW_U16 ? 0u : (size_t)sc->lut.sensor_w,
+        (size_t)p->cfg.n, p->cfg.method == PLFX_METHOD_PAIRS ? p->cfg.n - 1u : 0u,
+        (size_t)p->cfg.labels, (size_t)p->cfg.window, (size_t)p->reach_x,
+        across ? 2u * ((size_t)p->reach_y + 1u) : 0u, (size_t)c->open_rows,
+        c->profile == PLFX_PROFILE_FAST, p->cfg.texture > 0, (size_t)PLFX_LANES);
+}
+
 /* One frame, or the middle of one after an abandoned start. */
 static void stream_once(const scene *sc, ref_rng *rng, int32_t profile, unsigned seed)
 {
@@ -315,6 +333,7 @@ static void stream_once(const scene *sc, ref_rng *rng, int32_t profile, unsigned
     }
     need = plfx_stream_ws(&c);
     assert_in_range(need, 1, WS_BYTES);
+    assert_true(bound_of(sc, &c) >= need);
     memset(workspace(), (int)(seed & 255), need + 64);
     memset(&got, 0x5a, sizeof got);
     assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_OK);
@@ -420,6 +439,113 @@ static void bad_configuration(void **state)
     assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_E_ARG);
 }
 
+/* The frame of the guide: 16 megapixels, views along u, 17 slopes, window 9.
+ * Nothing of the table's content is read. */
+static plfx_stream_cfg big(plfx_lut *lut, plfx_plan *plan, int32_t n, int32_t profile)
+{
+    plfx_stream_cfg c;
+    plfx_cfg g;
+
+    memset(lut, 0, sizeof *lut);
+    memset(&g, 0, sizeof g);
+    lut->sensor_w = 4904;
+    lut->sensor_h = 3280;
+    lut->lattice.nx = 289;
+    lut->lattice.ny = 193;
+    lut->lattice.a.x_q22 = q22(16.93);
+    lut->lattice.b.y_q22 = q22(16.93);
+    g.window = 9;
+    g.bits = 12;
+    g.n = (uint8_t)n;
+    g.ref = (uint8_t)(n / 2);
+    g.labels = 17;
+    g.slope_min_q16 = -10000;
+    g.slope_max_q16 = 10000;
+    for (int32_t k = 0; k < n; k++) {
+        g.at[k].u_q8 = (int16_t)(6 * 256 * (2 * k - (n - 1)) / (n - 1));
+    }
+    assert_int_equal(plfx_plan_init(plan, &g, lut, 289, 193), PLFX_OK);
+    memset(&c, 0, sizeof c);
+    c.plan = plan;
+    c.lut = lut;
+    c.tone = plfx_tone_unity(12);
+    c.profile = (uint8_t)profile;
+    c.format = PLFX_RAW_U16;
+    c.bits = 12;
+    c.open_rows = 1;
+    c.j1 = 193;
+    return c;
+}
+
+static void memory_of_the_large_frame(void **state)
+{
+    static const size_t limit[4] = {40 * 1024, 64 * 1024, 128 * 1024, 136 * 1024};
+    plfx_plan plan;
+    plfx_lut lut;
+
+    (void)state;
+    for (int32_t i = 0; i < 4; i++) {
+        int32_t n = i % 2 ? 9 : 5;
+        plfx_stream_cfg c = big(&lut, &plan, n, i / 2);
+        size_t need = plfx_stream_ws(&c);
+        size_t most =
+            PLFX_STREAM_WS((size_t)289, 0u, (size_t)n, 0u, 17u, 9u,
+                           (size_t)plan.reach_x, 0u, 1u, i / 2, 0, (size_t)PLFX_LANES);
+        print_message("# %d views, %s: %u bytes, bound %u\n", (int)n,
+                      i / 2 ? "fast" : "small", (unsigned)need, (unsigned)most);
+        assert_true(need > 0 && need <= most && 10 * most <= 11 * need);
+        if (PLFX_LANES <= 16) {
+            assert_true(need <= limit[i]);
+        }
+    }
+}
+
+/* The last 64 bytes of a workspace are used: no smaller one would do. */
+static void workspace_is_needed(void **state)
+{
+    scene sc = some_scene();
+
+    (void)state;
+    for (int32_t profile = 0; profile < 2; profile++) {
+        plfx_stream_cfg c = stream_cfg(&sc, profile);
+        size_t need = plfx_stream_ws(&c);
+        int32_t next = 0;
+        size_t touched = 0;
+        plfx_stream s;
+        memset(workspace(), 0x77, need);
+        assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_OK);
+        feed(&s, &sc, 0, sc.raw.h, &next);
+        for (size_t i = 0; i < need; i++) {
+            touched = workspace()[i] != 0x77 ? i + 1 : touched;
+        }
+        assert_in_range(touched, need - 64, need);
+    }
+}
+
+/* Bands and rows of the wrong width leave the stream as it was. */
+static void wrong_stride(void **state)
+{
+    scene sc = some_scene();
+    plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_SMALL);
+    plfx_raw band = sc.sent;
+    int32_t used = 0;
+    int32_t ready = 0;
+    int32_t next = 0;
+    plfx_stream s;
+
+    (void)state;
+    whole_frame(&sc);
+    assert_int_equal(plfx_stream_init(&s, &c, workspace(), WS_BYTES), PLFX_OK);
+    feed(&s, &sc, 0, 20, &next);
+    band.w--;
+    assert_int_equal(plfx_stream_push_band(&s, 20, &band, &used, &ready), PLFX_E_ARG);
+    band.w += 2;
+    assert_int_equal(plfx_stream_push_band(&s, 20, &band, &used, &ready), PLFX_E_ARG);
+    feed(&s, &sc, 20, sc.raw.h, &next);
+    assert_int_equal(next, sc.plan.ny);
+    compare(&sc, 0, sc.plan.ny, PLFX_PROFILE_SMALL, 0);
+}
+
 static void order_of_calls(void **state)
 {
     scene sc = some_scene();
@@ -462,6 +588,9 @@ static void order_of_calls(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(equals_whole_frame),
     cmocka_unit_test(bad_configuration),
+    cmocka_unit_test(memory_of_the_large_frame),
+    cmocka_unit_test(workspace_is_needed),
+    cmocka_unit_test(wrong_stride),
     cmocka_unit_test(order_of_calls),
 };
 
