@@ -153,7 +153,7 @@ static void stumble(fuzz_input *in, plfx_stream *s, const plfx_raw *raw)
         int32_t ready = 0;
         plfx_raw_row row;
         if (plfx_raw_row_at(raw, y, &row) == PLFX_OK) {
-            (void)plfx_stream_push(s, y, &row, &ready);
+            fuzz_must(plfx_stream_push(s, y, &row, &ready) <= PLFX_OK);
         }
         if (fuzz_u8(in) & 1u) {
             (void)pop_all(s, ready);

@@ -129,8 +129,13 @@ static double measured_slope(const plft_camera *cam, const double *frame, double
 static void frame_has_its_slope(void **state)
 {
     plft_camera cam = camera(0);
-    plft_texture_desc desc = {PLFT_PATTERN_NOISE, 0.5, 0.15, 9.0, 1, 1.0, {0, 0},
-                              {0.0, 0.0},         3};
+    plft_texture_desc desc = {.pattern = PLFT_PATTERN_NOISE,
+                              .mean = 0.5,
+                              .contrast = 0.15,
+                              .cell_mm = 9.0,
+                              .octaves = 1,
+                              .persistence = 1.0,
+                              .seed = 3};
     plft_texture texture;
     double depth[] = {430.0, 480.0, 540.0};
     size_t n = (size_t)cam.w * (size_t)cam.h;
@@ -214,8 +219,13 @@ static void wide_pupil_overlaps(void **state)
 /* The box mean of a texture against the sum of finer ones. */
 static void texture_box_is_a_mean(void **state)
 {
-    plft_texture_desc desc = {PLFT_PATTERN_SPECKLE, 0.5, 0.3, 2.0, 1, 1.0, {0, 0},
-                              {0.0, 0.0},           5};
+    plft_texture_desc desc = {.pattern = PLFT_PATTERN_SPECKLE,
+                              .mean = 0.5,
+                              .contrast = 0.3,
+                              .cell_mm = 2.0,
+                              .octaves = 1,
+                              .persistence = 1.0,
+                              .seed = 5};
     plft_texture t;
     double part = 0.0;
     int i, j;
