@@ -127,7 +127,7 @@ void plfx_k_unstripe(const int16_t *restrict in, int32_t blocks, int32_t n,
 #if PLFX_LANES == 1
 static inline int32_t magnitude(int32_t v)
 {
-    int32_t sign = plfx_asr_i32(v, 31);
+    int32_t sign = -(int32_t)(v < 0);
 
     return (v ^ sign) - sign;
 }

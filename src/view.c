@@ -131,8 +131,9 @@ static void bound(block *b)
 {
     int32_t k;
 
-    b->least.x_q16 = b->most.x_q16 = b->x_q16[0];
-    b->least.y_q16 = b->most.y_q16 = b->y_q16[0];
+    b->least.x_q16 = b->x_q16[0];
+    b->least.y_q16 = b->y_q16[0];
+    b->most = b->least;
     for (k = 1; k < LANES; k++) {
         b->least.x_q16 = plfx_min_i32(b->least.x_q16, b->x_q16[k]);
         b->least.y_q16 = plfx_min_i32(b->least.y_q16, b->y_q16[k]);

@@ -76,7 +76,7 @@ int32_t plfx_views_check(const plfx_views *views, int32_t bits, uint8_t *found,
                          uint32_t *work)
 {
     uint32_t *mean = work;
-    uint32_t *clipped = work + (views ? views->n : 0);
+    uint32_t *clipped;
     int32_t count = 0;
     tally mid;
     int32_t k;
@@ -86,6 +86,7 @@ int32_t plfx_views_check(const plfx_views *views, int32_t bits, uint8_t *found,
         bits < PLFX_BITS_MIN || bits > PLFX_BITS_MAX) {
         return PLFX_E_ARG;
     }
+    clipped = work + views->n;
     for (k = 0; k < views->n; k++) {
         tally t = tally_of(views, bits, k);
         mean[k] = t.mean;

@@ -290,7 +290,8 @@ typedef struct norms {
 } norms;
 
 /* Costs less 2^15 of one label, exponents together at least 0: |cov| < 2^31, t
- * < 2^15 in size. */
+ * < 2^15 in size.  Lanes behind the last lens hold any sums: their product wraps, and
+ * nobody reads their costs. */
 static void cost_label(const uint32_t *restrict sum, const uint32_t *restrict a,
                        const int32_t *restrict e, const uint32_t *restrict b,
                        const uint32_t *restrict g, const int32_t *restrict be,
@@ -302,7 +303,7 @@ static void cost_label(const uint32_t *restrict sum, const uint32_t *restrict a,
     {
         int32_t cov = (int32_t)(sum[i] - a[i] * b[i]);
         int32_t t = plfx_asr_i32(cov, e[i] + be[i]);
-        out[i] = (int16_t)~plfx_asr_i32(t * (int32_t)g[i] + 16384, 15);
+        out[i] = (int16_t)~plfx_asr_i32((int32_t)((uint32_t)t * g[i] + 16384u), 15);
     }
 }
 

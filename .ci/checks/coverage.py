@@ -31,7 +31,8 @@ def build_and_run():
 def measure():
     output = common.run('gcovr', '-r', common.ROOT, '--object-directory', FOLDER,
                         '--filter', str(common.ROOT / 'src') + r'/[^/]*\.[ch]$',
-                        '--exclude-unreachable-branches', '--json', '-', FOLDER / 'src')
+                        '--exclude-unreachable-branches',
+                        '--gcov-ignore-parse-errors', '--json', '-', FOLDER / 'src')
     files = json.loads(output)['files']
     result = {}
     for f in files:

@@ -63,7 +63,7 @@ static plfx_cfg random_cfg(ref_rng *rng)
     c.fuse = (uint8_t)ref_range(rng, 0, 1);
     c.window = (uint8_t)(2 * ref_range(rng, 1, 4) + 1);
     c.bits = (uint8_t)ref_range(rng, 8, 12);
-    c.n = (uint8_t)(ref_range(rng, 0, 5) == 0 ? ref_range(rng, 2, 17)
+    c.n = (uint8_t)(ref_range(rng, 0, 5) == 0 ? ref_range(rng, 2, 25)
                                               : ref_range(rng, 2, N));
     c.ref = (uint8_t)ref_range(rng, 0, c.n - 1);
     c.labels = (uint16_t)ref_range(rng, 3, 20);

@@ -247,7 +247,7 @@ static void formats_arrive_byte_for_byte(void **state)
             plfx_camera_frame f;
             assert_int_equal(a.camera.acquire(&a, 2000, &f), PLFX_OK);
             assert_ptr_equal(f.raw.bytes,
-                             memory[0] + (size_t)f.slot * a.pool.slot_size);
+                             a.pool.bytes + (size_t)f.slot * a.pool.slot_size);
             assert_int_equal(f.raw.format, list[k].format);
             assert_int_equal(f.raw.size, n);
             assert_true(whole(&f, n));
@@ -361,7 +361,7 @@ static void twelve_megapixels_pass_without_a_copy(void **state)
             rate = k > 0 ? MAX(rate, 20 / (now - begin)) : 0;
             begin = now;
         }
-        assert_ptr_equal(f.raw.bytes, memory[0] + (size_t)f.slot * a.pool.slot_size);
+        assert_ptr_equal(f.raw.bytes, a.pool.bytes + (size_t)f.slot * a.pool.slot_size);
         assert_int_equal(f.raw.size, BIG_SIZE);
         assert_true(k % 10 != 0 || whole(&f, BIG_SIZE));
         assert_int_equal(a.camera.release(&a, &f), PLFX_OK);

@@ -136,10 +136,12 @@ static void write_tiff(const char *file, const plft_frame *f)
 {
     TIFF *t = TIFFOpen(file, "w");
     size_t n = (size_t)f->w * (size_t)f->channels, k;
-    unsigned char row[256];
+    unsigned char narrow[128];
+    uint16_t wide[128];
     int y;
 
     assert_non_null(t);
+    assert_true(n <= 128);
     TIFFSetField(t, TIFFTAG_IMAGEWIDTH, f->w);
     TIFFSetField(t, TIFFTAG_IMAGELENGTH, f->h);
     TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, f->channels);
@@ -150,14 +152,12 @@ static void write_tiff(const char *file, const plft_frame *f)
                  f->channels == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
     for (y = 0; y < f->h; y++) {
         for (k = 0; k < n; k++) {
-            uint16_t v = f->px[(size_t)y * n + k];
-            if (f->bits > 8) {
-                memcpy(row + 2 * k, &v, 2);
-            } else {
-                row[k] = (unsigned char)v;
-            }
+            wide[k & 127] = f->px[(size_t)y * n + k];
+            narrow[k & 127] = (unsigned char)wide[k & 127];
         }
-        assert_int_equal(TIFFWriteScanline(t, row, (uint32_t)y, 0), 1);
+        assert_int_equal(
+            TIFFWriteScanline(t, f->bits > 8 ? (void *)wide : narrow, (uint32_t)y, 0),
+            1);
     }
     TIFFClose(t);
 }

@@ -393,7 +393,9 @@ static int32_t call_push(void *p)
     int32_t ready = -7;
     plfx_status status;
 
-    row.bytes += row.bytes ? a->odd : 0;
+    if (row.bytes) {
+        row.bytes += a->odd;
+    }
     status = plfx_stream_push(&stream, a->y, &row, &ready);
     assert_true(status == OK || ready == -7);
     assert_int_equal(plfx_stream_reset(&stream), OK);
