@@ -99,6 +99,7 @@ void plfx_k_stripe(const int16_t *restrict lin, int32_t blocks, int16_t *restric
     }
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the vector twin writes */
 static int32_t unstripe_runs(const int16_t *in, int32_t blocks, int32_t n, int16_t *out)
 {
     (void)in;

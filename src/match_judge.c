@@ -114,6 +114,7 @@ static void write_slopes(const plfx_judge *m, int32_t *restrict slope)
     const uint16_t *restrict no = m->no_row;
     uint32_t d = 16u * (c->labels - 1u);
     uint32_t span = (uint32_t)(c->slope_max_q16 - c->slope_min_q16);
+    /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a plan has 3 labels or more */
     uint32_t whole = span / d;
     uint32_t part = span % d;
     uint32_t half = d / 2;

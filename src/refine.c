@@ -341,6 +341,7 @@ static int64_t gradient_noise(const plfx_frame_state *s)
             views++;
         }
     }
+    /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a frame has arms */
     share = plfx_asr_i64(share / views, 16); /* at most 2^17 */
     return plfx_asr_i64(share * n2 * (s->smooth ? NOISE_SMOOTH : NOISE_PLAIN), 18);
 }

@@ -352,8 +352,8 @@ static void costs_faint(const plfx_zncc_lanes *z, const norms *k, int16_t *restr
             int32_t right = down > 0 ? down : 0;
             int32_t left = down < 0 ? -down : 0;
             int32_t t = (int32_t)((uint32_t)plfx_asr_i32(cov, right) << left);
-            int32_t c = ~plfx_asr_i32(t * (int32_t)k->b_g[at + i] + 16384, 15);
-            int16_t s = (int16_t)c;
+            int32_t u = (int32_t)((uint32_t)t * k->b_g[at + i] + 16384u);
+            int16_t s = (int16_t)~plfx_asr_i32(u, 15);
             out[l * PLFX_LANES + i] = s;
             low[i] = s < low[i] ? s : low[i];
         }
@@ -440,6 +440,7 @@ static void collect(const plfx_zncc_lanes *z, const turn *t, int32_t p, int32_t 
     int32_t n = z->plan->nx - 2 * r;
     int32_t wide = z->blocks * PLFX_LANES;
     plfx_judge judge = z->row;
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): a row that is due has one */
     plfx_line out = *line;
     int32_t i;
 

@@ -16,7 +16,7 @@ static int failures;
 
 static int load(plft_frame *f, const char *folder, const char *name)
 {
-    char path[512];
+    char path[1024];
 
     (void)snprintf(path, sizeof path, "%s/%s", folder, name);
     memset(f, 0, sizeof *f);
@@ -146,7 +146,7 @@ static int sample14(const char *folder)
     static const char *const names[3] = {"L1.png", "L3.png", "L5.png"};
     plft_csv command;
     plft_frame rest;
-    char path[512];
+    char path[1024];
     int s;
 
     (void)snprintf(path, sizeof path, "%s/command.csv", folder);
@@ -206,7 +206,7 @@ static int compare(const void *a, const void *b)
 /* Rows of a published solution: x, y, displacement, displacement.  */
 static int solution(double (*row)[4], const char *folder, const char *name)
 {
-    char path[512];
+    char path[1024];
     char line[512];
     FILE *f;
     int n = 0;
