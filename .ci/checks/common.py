@@ -88,6 +88,20 @@ def strip_comments(text):
                   blank, text, flags=re.S)
 
 
+# Parts of the core that a microcontroller links on their own, and their objects on an M7.
+PARTS = {
+    'frame.h': r'(arms|frame|frame_flags|median|preset|refine|sgm|sigma|viewcheck|'
+               r'winner_row)$',
+    'structural motion': r'(roi|modal|packet)(_|$)|ln$',
+    'drift.h': r'drift(_|$)',
+}
+
+
+def part_of(stem):
+    """The part that an object belongs to; 'core' for depth itself."""
+    return next((part for part, stems in PARTS.items() if re.match(stems, stem)), 'core')
+
+
 def verdict(findings, what):
     """Print findings and leave: status 1 if there are any."""
     for f in findings:

@@ -4,6 +4,7 @@
 usage: mcdc.py                at least 95 % of the conditions shown to act on their own;
                               each of the rest is argued in tests/mcdc.txt
        mcdc.py --show         list what is not shown, with the decision's text
+       mcdc.py --note         write the counts to tests/mcdc.csv, for README.md
        mcdc.py --report FILE  the same check of a report made before (llvm-cov's JSON)
 
 A line of tests/mcdc.txt: file | conditions | text of the decision | reason."""
@@ -18,6 +19,7 @@ import common
 
 FOLDER = common.ROOT / 'build-ci' / 'mcdc'
 ARGUED = common.ROOT / 'tests' / 'mcdc.txt'
+COUNTS = common.ROOT / 'tests' / 'mcdc.csv'
 LEAST = 95.0
 
 
@@ -96,6 +98,10 @@ count, missing = measure(report)
 left = sum(m[3] for m in missing)
 share = 100 * (count - left) / count
 print(f'conditions shown to act on their own: {count - left} of {count} ({share:.1f} %)')
+if sys.argv[1:] == ['--note']:
+    COUNTS.write_text('# Written by .ci/checks/mcdc.py --note\nconditions,shown\n'
+                      f'{count},{count - left}\n')
+    sys.exit(0)
 if sys.argv[1:] == ['--show']:
     for name, line, decision, number in missing:
         print(f'{name}:{line} | {number} | {decision}')

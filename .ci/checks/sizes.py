@@ -13,14 +13,12 @@ import callgraph
 import common
 
 TABLE = common.ROOT / 'tests' / 'sizes.csv'
-CODE_LIMIT = 40 * 1024   # bytes of text, objects that a microcontroller may link
-FRAME_LIMIT = 24 * 1024  # the same, objects of frame.h: they want a frame's memory
-FRAME = {'arms', 'frame', 'frame_flags', 'median', 'preset', 'refine', 'sgm',
-         'viewcheck', 'winner_row'}
-MOTION_LIMIT = 28 * 1024  # the same of regions, modes, packets, linked on their own
-MOTION = re.compile(r'(roi|modal|packet)(_|$)|ln$')
-HEALTH_LIMIT = 12 * 1024  # the same of drift.h, a check of its own
-HEALTH = {'drift', 'drift_lens'}
+CODE_LIMITS = {  # bytes of text, by part
+    'core': 40 * 1024,
+    'frame.h': 24 * 1024,  # it wants a frame's memory
+    'structural motion': 28 * 1024,
+    'drift.h': 12 * 1024,
+}
 STACK_LIMIT = 1024       # bytes, deepest path below a public function
 COMPILER = common.ARM + 'gcc'
 BUILD = [*common.ARM_M7, '-O2', '-ffunction-sections', '-fdata-sections']
@@ -82,22 +80,17 @@ def measure():
 
 
 def budgets(now):
-    text = {n: v for (kind, n), v in now.items() if kind == 'text'}
-    frame = sum(v for n, v in text.items() if n in FRAME)
-    motion = sum(v for n, v in text.items() if MOTION.match(n))
-    health = sum(v for n, v in text.items() if n in HEALTH)
-    code = sum(text.values()) - frame - motion - health
+    code = dict.fromkeys(CODE_LIMITS, 0)
+    for (kind, name), v in now.items():
+        if kind == 'text':
+            code[common.part_of(name)] += v
     worst = max(((v, n) for (k, n), v in now.items() if k == 'stack'), default=(0, '-'))
-    print(f'code {code} of {CODE_LIMIT} bytes, frame {frame} of {FRAME_LIMIT}, structural '
-          f'motion {motion} of {MOTION_LIMIT}, drift {health} of {HEALTH_LIMIT}; '
-          f'deepest stack {worst[0]} of {STACK_LIMIT} bytes ({worst[1]})')
+    print(', '.join(f'{part} {v} of {CODE_LIMITS[part]}' for part, v in code.items()) +
+          f' bytes; deepest stack {worst[0]} of {STACK_LIMIT} bytes ({worst[1]})')
     findings = [f'{n}: {v} bytes of stack, at most {STACK_LIMIT}'
                 for (k, n), v in sorted(now.items()) if k == 'stack' and v > STACK_LIMIT]
-    for what, size, limit in (('core', code, CODE_LIMIT), ('frame.h', frame, FRAME_LIMIT),
-                              ('structural motion', motion, MOTION_LIMIT),
-                              ('drift.h', health, HEALTH_LIMIT)):
-        if size > limit:
-            findings.append(f'code of {what}: {size} bytes, at most {limit}')
+    findings += [f'code of {part}: {v} bytes, at most {CODE_LIMITS[part]}'
+                 for part, v in code.items() if v > CODE_LIMITS[part]]
     return findings
 
 
