@@ -193,65 +193,13 @@ void plfx_k_pair(const plfx_pair_block *b)
     }
 }
 #else
-static inline void
-label_exact(const plfx_pair_block *b, uint16_t *restrict col, int16_t *restrict sum,
-            const uint16_t *restrict leave, const int16_t *restrict right,
-            const int16_t *restrict gone, const int16_t *restrict here,
-            const int16_t *restrict there, int16_t *restrict low, int32_t l)
-{
-    int32_t i;
-
-    LANES(i)
-    {
-        uint16_t c = (uint16_t)(col[i] + plfx_apart(here[i], right[i]) -
-                                plfx_apart(there[i], gone[i]));
-        int16_t s = (int16_t)(sum[i] + c - leave[i]);
-        col[i] = c;
-        sum[i] = s;
-        plfx_lead_meet(b->lead, low, i, s, l);
-    }
-}
-
-static void pair_exact(const plfx_pair_block *b, uint16_t *restrict col,
-                       int16_t *restrict sum, const uint16_t *restrict leave)
-{
-    const int16_t *restrict right = b->right;
-    const int16_t *restrict gone = b->right_gone;
-    int16_t here[PLFX_LANES];
-    int16_t there[PLFX_LANES];
-    int16_t low[PLFX_LANES];
-    int32_t l;
-
-    memcpy(here, b->left, sizeof here);
-    memcpy(there, b->left_gone, sizeof there);
-    plfx_lead_start(b->lead, low);
-    for (l = 0; l + 1 < b->labels; l += 2) {
-        label_exact(b, col, sum, leave, right, gone, here, there, low, l);
-        label_exact(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
-                    right + b->step, gone + b->gone_step, here, there, low, l + 1);
-        col += 2 * PLFX_LANES;
-        sum += 2 * PLFX_LANES;
-        leave += 2 * PLFX_LANES;
-        right += 2 * b->step;
-        gone += 2 * b->gone_step;
-    }
-    for (; l < b->labels; l++) {
-        label_exact(b, col, sum, leave, right, gone, here, there, low, l);
-        col += PLFX_LANES;
-        sum += PLFX_LANES;
-        leave += PLFX_LANES;
-        right += b->step;
-        gone += b->gone_step;
-    }
-    plfx_lead_end(b->lead, low);
-}
-
-static inline void
-label_scaled(const plfx_pair_block *b, uint16_t *restrict col, int16_t *restrict sum,
-             const uint16_t *restrict leave, const int16_t *restrict right,
-             const int16_t *restrict gone, const int16_t *restrict here,
-             const int16_t *restrict there, const uint16_t *restrict m,
-             int16_t *restrict low, int32_t l)
+/* m: factors of the scale of sums; NULL where they are exact.  Inlined for each. */
+static inline void label_of(const plfx_pair_block *b, uint16_t *restrict col,
+                            int16_t *restrict sum, const uint16_t *restrict leave,
+                            const int16_t *restrict right, const int16_t *restrict gone,
+                            const int16_t *restrict here, const int16_t *restrict there,
+                            const uint16_t *restrict m, int16_t *restrict low,
+                            int32_t l)
 {
     int32_t i;
 
@@ -260,47 +208,56 @@ label_scaled(const plfx_pair_block *b, uint16_t *restrict col, int16_t *restrict
         uint16_t c = (uint16_t)(col[i] + plfx_apart(here[i], right[i]) -
                                 plfx_apart(there[i], gone[i]));
         int16_t s =
-            (int16_t)(sum[i] + plfx_scaled(c, m[i]) - plfx_scaled(leave[i], m[i]));
+            (int16_t)(m ? sum[i] + plfx_scaled(c, m[i]) - plfx_scaled(leave[i], m[i])
+                        : sum[i] + c - leave[i]);
         col[i] = c;
         sum[i] = s;
         plfx_lead_meet(b->lead, low, i, s, l);
     }
 }
 
-static void pair_scaled(const plfx_pair_block *b, uint16_t *restrict col,
-                        int16_t *restrict sum, const uint16_t *restrict leave)
+static inline void pair_fine(const plfx_pair_block *b, const uint16_t *restrict m)
 {
+    uint16_t *restrict col = b->col;
+    int16_t *restrict sum = b->sum;
+    const uint16_t *restrict leave = b->leave;
     const int16_t *restrict right = b->right;
     const int16_t *restrict gone = b->right_gone;
     int16_t here[PLFX_LANES];
     int16_t there[PLFX_LANES];
-    uint16_t m[PLFX_LANES];
     int16_t low[PLFX_LANES];
     int32_t l;
 
-    plfx_factor_of(m, b->s2);
     memcpy(here, b->left, sizeof here);
     memcpy(there, b->left_gone, sizeof there);
     plfx_lead_start(b->lead, low);
     for (l = 0; l + 1 < b->labels; l += 2) {
-        label_scaled(b, col, sum, leave, right, gone, here, there, m, low, l);
-        label_scaled(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
-                     right + b->step, gone + b->gone_step, here, there, m, low, l + 1);
+        label_of(b, col, sum, leave, right, gone, here, there, m, low, l);
+        label_of(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
+                 right + b->step, gone + b->gone_step, here, there, m, low, l + 1);
         col += 2 * PLFX_LANES;
         sum += 2 * PLFX_LANES;
         leave += 2 * PLFX_LANES;
         right += 2 * b->step;
         gone += 2 * b->gone_step;
     }
-    for (; l < b->labels; l++) {
-        label_scaled(b, col, sum, leave, right, gone, here, there, m, low, l);
-        col += PLFX_LANES;
-        sum += PLFX_LANES;
-        leave += PLFX_LANES;
-        right += b->step;
-        gone += b->gone_step;
+    if (l < b->labels) {
+        label_of(b, col, sum, leave, right, gone, here, there, m, low, l);
     }
     plfx_lead_end(b->lead, low);
+}
+
+static void pair_exact(const plfx_pair_block *b)
+{
+    pair_fine(b, NULL);
+}
+
+static void pair_scaled(const plfx_pair_block *b)
+{
+    uint16_t m[PLFX_LANES];
+
+    plfx_factor_of(m, b->s2);
+    pair_fine(b, m);
 }
 
 /* Windows so large that single differences are scaled too: 12 bits, 17 lenses and
@@ -345,9 +302,9 @@ static void pair_coarse(const plfx_pair_block *b, uint16_t *restrict col,
 void plfx_k_pair(const plfx_pair_block *b)
 {
     if (b->s2 == 0) { /* then s1 is 0 as well */
-        pair_exact(b, b->col, b->sum, b->leave);
+        pair_exact(b);
     } else if (b->s1 == 0) {
-        pair_scaled(b, b->col, b->sum, b->leave);
+        pair_scaled(b);
     } else {
         pair_coarse(b, b->col, b->sum, b->leave);
     }
