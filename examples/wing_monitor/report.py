@@ -75,7 +75,8 @@ class Report:
         self.rows = []
 
     def judge(self, what, value, limit, good, unit=''):
-        self.rows.append((what, f'{value:.4g}{unit}', limit, 'PASS' if good else 'FAIL'))
+        number = str(value) if isinstance(value, int) else f'{value:.4g}'
+        self.rows.append((what, number + unit, limit, 'PASS' if good else 'FAIL'))
 
     def skip(self, what, why):
         self.rows.append((what, '', why, 'skipped'))
@@ -95,7 +96,8 @@ def plot(title, lines, unit):
                      f'<path d="M60 {py(y):.1f}h800" stroke="#ddd"/>')
     for k in range(5):
         x = x0 + (x1 - x0) * k / 4
-        parts.append(f'<text x="{px(x):.0f}" y="216">{x:.3g} s</text>')
+        parts.append(f'<text x="{px(x):.0f}" y="216" text-anchor="'
+                     f'{"end" if k == 4 else "start"}">{x:.3g} s</text>')
     for n, (label, colour, a, b) in enumerate(lines):
         at = ' '.join(f'{px(x):.1f},{py(y):.1f}' for x, y in zip(a, b))
         parts.append(f'<polyline points="{at}" fill="none" stroke="{colour}"/>'
@@ -246,7 +248,8 @@ def page(d, r, plots):
     (d / 'report.html').write_text(f'''<!doctype html><html lang="en"><meta charset="utf-8">
 <title>wing_monitor</title><style>body {{ font: 15px sans-serif; max-width: 60em; margin: 2em
 auto }} svg {{ width: 100%; font-size: 11px }} img {{ width: 100% }} td {{ padding: 2px 1em 2px
-0; border-bottom: 1px solid #ddd }} .PASS td:last-child {{ color: #070 }} .FAIL
+0; border-bottom: 1px solid #ddd }} pre {{ white-space: pre-wrap }}
+.PASS td:last-child {{ color: #070 }} .FAIL
 td:last-child {{ color: #b00; font-weight: bold }} .skipped {{ color: #777 }}</style>
 <h1>A vibrating wing, measured by one plenoptic camera</h1>
 <p>Simulated frames; the truth comes from the simulator alone. w: displacement towards the
