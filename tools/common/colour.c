@@ -11,11 +11,12 @@
 #include "common/frame.h"
 #include "common/memory.h"
 
-#define BAR_W  16 /* pixels */
-#define GAP    10
-#define TEXT_W 62 /* ten characters */
-#define MARGIN 16 /* above and below: a label, half a number */
-#define TICKS  5
+#define BAR_W      16 /* pixels */
+#define NUMBER_GAP 10 /* from the bar: its tick must not read as a minus */
+#define GAP        10
+#define TEXT_W     62 /* ten characters */
+#define MARGIN     16 /* above and below: a label, half a number */
+#define TICKS      5
 
 /* Lightness rises evenly from knot to knot. */
 static const uint8_t knots[9][3] = {{20, 22, 82},   {38, 46, 132},  {44, 82, 146},
@@ -150,10 +151,10 @@ static void draw_bar(const canvas *c, int x0, float lo, float hi)
         y = MARGIN + (int)((1.0f - t) * (float)(tall - 1));
         (void)snprintf(text, sizeof text, "%.*f", decimals(lo, hi),
                        (double)(lo + t * (hi - lo)));
-        for (x = 0; x < 4; x++) {
+        for (x = 0; x < 3; x++) {
             put(c, x0 + BAR_W + x, y, black);
         }
-        plft_text(c->rgb, c->w, c->h, x0 + BAR_W + 6, y - 3, text, black);
+        plft_text(c->rgb, c->w, c->h, x0 + BAR_W + NUMBER_GAP, y - 3, text, black);
     }
 }
 
@@ -170,7 +171,7 @@ int plft_colour_png(const char *path, const float *v, int w, int h, float lo, fl
     }
     scale = scale > 0 ? scale : auto_scale(w);
     tall = h * scale < 60 ? 60 : h * scale; /* room for the numbers */
-    c.w = w * scale + GAP + BAR_W + 6 + TEXT_W;
+    c.w = w * scale + GAP + BAR_W + NUMBER_GAP + TEXT_W;
     c.h = tall + 2 * MARGIN;
     c.rgb = (uint8_t *)plft_alloc((size_t)c.w * (size_t)c.h, 3);
     if (c.rgb == NULL) {
