@@ -9,7 +9,7 @@
 #define LAGS       PLFX_MODAL_LAGS
 #define LN2_Q20    726817
 #define LIMIT      ((1 << 29) - 1) /* of R/energy, q28: over 1 in growth alone */
-#define BAND       1717986918      /* 0.4 turns a lag, 2^32 a turn */
+#define BAND       1073741824      /* a quarter turn a lag: an alias is 28 dB down */
 #define CRITICAL   1000000         /* ppm */
 #define DAMP_LEAST 1000 /* ppm: the bound is taken at this damping at least */
 

@@ -38,8 +38,8 @@ extern "C" {
 
 #define PLFX_MODE_VALID 1u /* values hold; without it they are 0 */
 #define PLFX_MODE_SHORT 2u /* under 20 cycles, or no full block yet */
-/* R does not fall off like a mode's: noise, no motion, a damping over critical or a
- * frequency outside the thinned band. */
+/* R does not fall off like a mode's: noise, no motion, a damping over critical, or a
+ * frequency a quarter of the thinned rate or more off the expected one. */
 #define PLFX_MODE_LOST  4u
 #define PLFX_MODE_GAP   8u  /* samples were missing inside the record */
 #define PLFX_MODE_ALARM 16u /* damping is under the limit, standard error included */

@@ -139,6 +139,32 @@ static void a_pure_tone_has_no_damping(void **s)
     assert_true(fabs(mode.amp_q8 / 256.0 - 707.1) < 15.0);
 }
 
+/* A tone that stands off its expected place by a share of the thinned rate. */
+static uint32_t flags_beside(double share)
+{
+    plfx_mode mode;
+    double f;
+    int i;
+
+    start(38.9, 0.01, 60);
+    f = 38.9 + share * RATE / m.cfg.every;
+    for (i = 0; i < RECORD; i++) {
+        (void)plfx_modal_push(&m, sample(1000 * sin(2 * PI * f * i / RATE)));
+    }
+    assert_int_equal(plfx_modal_read(&m, PLFX_MODAL_BLOCKS, &mode), PLFX_OK);
+    assert_true(mode.flags & PLFX_MODE_LOST || fabs(mode.freq_uhz / 1e6 - f) < 0.01);
+    return mode.flags;
+}
+
+static void another_mode_is_not_taken_for_the_expected(void **s)
+{
+    (void)s;
+    assert_int_equal(flags_beside(0.2), PLFX_MODE_VALID);
+    assert_int_equal(flags_beside(-0.2), PLFX_MODE_VALID);
+    assert_int_equal(flags_beside(0.3), PLFX_MODE_LOST);
+    assert_int_equal(flags_beside(-0.3), PLFX_MODE_LOST);
+}
+
 static void growth_is_negative_damping_and_alarms(void **s)
 {
     plfx_mode mode;
@@ -465,6 +491,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(wing_modes_are_measured),
         cmocka_unit_test(a_pure_tone_has_no_damping),
+        cmocka_unit_test(another_mode_is_not_taken_for_the_expected),
         cmocka_unit_test(growth_is_negative_damping_and_alarms),
         cmocka_unit_test(well_damped_motion_does_not_alarm),
         cmocka_unit_test(noise_and_stillness_are_lost),
