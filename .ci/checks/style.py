@@ -14,7 +14,7 @@ import common
 C = {'.c', '.h', '.cl'}
 SCRIPT = {'.py', '.sh', '.build', '.wrap', '.ini', ''}
 BINARY = {'.png', '.plut', '.pfm', '.tif', '.tiff', '.bin', '.xz', '.raw'}
-MACHINE = re.compile(r'(?<![\w.])/(?:work|root|home/\w+|tmp/wt)\b')
+MACHINE = re.compile(r'(?<![\w.])/(?:home/\w+|root|Users/\w+|work|mnt|media)\b')
 ADDRESS = re.compile(r'\b(?:https?|ftp|git|ssh)://')
 LATER = re.compile(r'\b(?:TODO|FIXME|XXX|HACK|stub(?:bed)?|placeholder)\b', re.I)
 WIDTH = 88

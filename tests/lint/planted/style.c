@@ -1,3 +1,3 @@
 /* Broken on purpose: no licence line, a tab, a trailing blank. */
 int plfx_planted;	 
-/* TODO: see /work/notes */
+/* TODO: see /home/me/notes */
