@@ -24,6 +24,13 @@ static inline int32_t plfx_clamp_i32(int32_t v, int32_t lo, int32_t hi)
     return plfx_min_i32(plfx_max_i32(v, lo), hi);
 }
 
+static inline int64_t plfx_clamp_i64(int64_t v, int64_t lo, int64_t hi)
+{
+    int64_t least = v > lo ? v : lo;
+
+    return least < hi ? least : hi;
+}
+
 /* floor(v / 2^s), 0 <= s <= 31. */
 static inline int32_t plfx_asr_i32(int32_t v, int32_t s)
 {

@@ -47,16 +47,17 @@ void plfx_roi_close(const int32_t lean_q12[2], plfx_roi_sums *view, plfx_roi_sum
 plfx_roi_light plfx_roi_light_of(const plfx_roi_patch *p, const plfx_roi_sums *s)
 {
     /* both halves: d = a*R + o; sums < 2^36, counts < 2^20 */
-    int64_t det =
-        plfx_asr_i64(p->ref_bright * p->n_dark - p->ref_dark * p->n_bright, 20);
+    int64_t det = p->ref_bright * p->n_dark - p->ref_dark * p->n_bright;
     int64_t num = s->bright * p->n_dark - s->dark * p->n_bright;
     int64_t all = s->bright + s->dark;
     int64_t ref = p->ref_bright + p->ref_dark;
     plfx_roi_light l = {1 << 20, 0};
     int64_t a_q20 = 0;
 
-    if (det > 0) {
-        a_q20 = plfx_clamp_i32(plfx_sat_i32(num / det), -(1 << 20), 15 << 20);
+    if (det > 0) { /* 0 where all of R is one number */
+        int32_t down = plfx_max_i32(plfx_log2_u64((uint64_t)det) - 30, 0);
+        num = plfx_asr_i64(plfx_clamp_i64(num, -det, 15 * det), down); /* < 2^35 */
+        a_q20 = num * (1 << 20) / plfx_asr_i64(det, down);
     }
     l.gain_q20 += (int32_t)a_q20;
     all -= plfx_round_shift_i64(ref * a_q20, 20); /* < 2^36 * 2^24 */
@@ -76,7 +77,7 @@ void plfx_roi_linear(const plfx_roi_patch *p, const plfx_roi_sums *s, int32_t ga
                           s->bright * p->alpha_q12[k] + s->dark * p->beta_q12[k], 12);
         int64_t limit = (int64_t)1 << 33;
         t[k] = b * 64 / p->scale[k]; /* b < 2^52 */
-        t[k] = t[k] > limit ? limit : t[k] < -limit ? -limit : t[k];
+        t[k] = plfx_clamp_i64(t[k], -limit, limit);
     }
     for (k = 0; k < 3; k++) { /* inverse < 2^28: products < 2^61 */
         int64_t sum = (plfx_asr_i64(p->inv_q24[k][0] * t[0], 2) +
@@ -309,7 +310,7 @@ static uint32_t sigma(const plfx_roi_patch *p, int32_t k, const leftover *left,
 
     s = s < (uint64_t)1 << 43 ? s : (uint64_t)1 << 43;
     s = (s << 20) / (uint64_t)(gain_q20 > 1 << 14 ? gain_q20 : 1 << 14) + 1u;
-    return s > 0x7fffffffu ? 0x7fffffffu : (uint32_t)s;
+    return (uint32_t)(s < 0x7fffffffu ? s : 0x7fffffffu);
 }
 
 /* Whole columns or rows nearest to d. */

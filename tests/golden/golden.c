@@ -488,7 +488,7 @@ const golden_stage golden_stages[] = {
     {"stream fast", run_stream_fast, 0xab2cfd99u},
     {"drift", run_drift, 0x44bbf029u},
     {"packet", run_packet, 0xc2bb28a9u},
-    {"regions", golden_regions, 0x1fd57e14u},
+    {"regions", golden_regions, 0x91ab154du},
     {"modes", golden_modes, 0xf5ba4dcfu},
     {"packets", golden_packets, 0xc9e4e0dfu},
 };
