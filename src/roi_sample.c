@@ -3,6 +3,7 @@
  * bits. */
 #include "roi_state.h"
 #include "fix.h"
+#include "sure.h"
 
 typedef struct source {
     const plfx_lut *lut;
@@ -43,9 +44,10 @@ static void two(const plfx_raw *raw, int32_t x, int32_t x1, int32_t y, uint32_t 
             (const uint16_t *)(const void *)raw->bytes + (size_t)y * (size_t)raw->w;
         p[0] = px[x];
         p[1] = px[x1];
-    } else if (plfx_raw_row_at(raw, y, &row) == PLFX_OK &&
-               plfx_raw_unpack(&row, x, x1 - x + 1, p) == PLFX_OK && x1 == x) {
-        p[1] = p[0];
+    } else {
+        plfx_sure(plfx_raw_row_at(raw, y, &row));
+        plfx_sure(plfx_raw_unpack(&row, x, x1 - x + 1, p));
+        p[1] = p[x1 - x];
     }
     v[0] = p[0];
     v[1] = p[1];
@@ -82,16 +84,26 @@ static uint32_t beside(const source *s, plfx_point c, uint32_t gain_u13)
     return lit < PLFX_ROI_UNUSED ? lit : PLFX_ROI_UNUSED;
 }
 
+/* From here on 16-bit samples of so many bits count as clipped. */
+static uint32_t clipped(const plfx_roi *roi, int32_t bits)
+{
+    uint32_t full = ((1u << bits) - 1u) << (16 - bits);
+    uint32_t limit = roi->cfg.tone.sat_u16;
+
+    return full < limit ? full : limit;
+}
+
 static void from_image(const plfx_roi *roi, const plfx_image *m, int32_t i, int32_t j,
                        int32_t n, uint16_t *out)
 {
-    int32_t up = 16 - roi->cfg.bits;
     const uint16_t *row = m->px + (size_t)j * (size_t)m->stride;
+    uint32_t limit = clipped(roi, roi->cfg.bits);
+    int32_t up = 16 - roi->cfg.bits;
     int32_t x;
 
     for (x = 0; x < n; x++) {
         uint32_t v = (uint32_t)row[i + x] << up;
-        out[x] = (uint16_t)(v >= roi->cfg.tone.sat_u16 || v > 65534u ? 65534u : v);
+        out[x] = (uint16_t)(v >= limit ? PLFX_ROI_UNUSED : v);
     }
 }
 
@@ -115,7 +127,6 @@ void plfx_roi_sample(const plfx_roi *roi, const plfx_roi_frame *frame,
     int32_t j = p->j0 + p->kj + y;
     const uint16_t *gain = gains(roi, p, k, y);
     int32_t last = p->w + 2 * PLFX_ROI_MARGIN - 1;
-    uint32_t full;
     source s;
     int32_t x;
 
@@ -127,8 +138,7 @@ void plfx_roi_sample(const plfx_roi *roi, const plfx_roi_frame *frame,
     s.raw = frame->raw;
     s.shift = roi->shift[k];
     s.black = roi->cfg.tone.black_u16;
-    full = ((1u << s.raw->bits) - 1u) << (16 - s.raw->bits);
-    s.clipped = full < roi->cfg.tone.sat_u16 ? full : roi->cfg.tone.sat_u16;
+    s.clipped = clipped(roi, s.raw->bits);
     for (x = 0; x < n; x++) {
         int32_t g = plfx_clamp_i32(x0 + x + p->ki + PLFX_ROI_MARGIN, 0, last);
         out[x] = (uint16_t)beside(&s, plfx_lut_centre(s.lut, i + x, j),
