@@ -4,9 +4,10 @@
 #include "fix.h"
 #include "ln.h"
 
-static int32_t is_peak(const uint32_t *p, int32_t n, int32_t k)
+/* Of bin k with a neighbour on both sides. */
+static int32_t is_peak(const uint32_t *p, int32_t k)
 {
-    return k > 0 && k < n - 1 && p[k] > 0 && p[k] >= p[k - 1] && p[k] > p[k + 1];
+    return p[k] > 0 && p[k] >= p[k - 1] && p[k] > p[k + 1];
 }
 
 /* Free of the peaks found so far. */
@@ -62,7 +63,7 @@ plfx_status plfx_modal_peaks(const uint32_t *power, int32_t n, int32_t apart,
         int32_t best = 0;
         int32_t k;
         for (k = 1; k < n - 1; k++) {
-            if (is_peak(power, n, k) && power[k] >= least &&
+            if (is_peak(power, k) && power[k] >= least &&
                 (best == 0 || power[k] > power[best]) &&
                 is_apart(peaks, found, k, apart)) {
                 best = k;

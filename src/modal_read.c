@@ -3,6 +3,7 @@
 #include "plenofix/modal.h"
 #include "fix.h"
 #include "ln.h"
+#include "sure.h"
 
 #include <string.h>
 
@@ -255,11 +256,9 @@ plfx_status plfx_modal_alarm(const plfx_modal *m, int32_t limit_ppm, int32_t nsi
     }
     /* at most 5 */
     for (blocks = 1; blocks <= PLFX_MODAL_BLOCKS; blocks *= 2) {
-        plfx_status status = plfx_modal_read(m, blocks, mode);
-        int64_t sigma = sigma_at(mode, limit_ppm);
-        if (status != PLFX_OK) {
-            return status;
-        }
+        int64_t sigma;
+        plfx_sure(plfx_modal_read(m, blocks, mode));
+        sigma = sigma_at(mode, limit_ppm);
         sigma = sigma > (int64_t)mode->damp_sigma_ppm ? sigma
                                                       : (int64_t)mode->damp_sigma_ppm;
         if ((mode->flags & (PLFX_MODE_VALID | PLFX_MODE_SHORT)) == PLFX_MODE_VALID &&

@@ -4,6 +4,11 @@
 #include "packet_format.h"
 #include "bigend.h"
 
+PLFX_STATIC_ASSERT(PLFX_PACKET_OVERHEAD +
+                           (PLFX_PACKET_MODES_MAX + 1) * PLFX_PACKET_MODE_BYTES >
+                       PLFX_PACKET_MAX,
+                   the_longest_packet_bounds_its_modes);
+
 /* The fields of the headers that have one legal value. */
 static int32_t head_ok(const uint8_t *p)
 {
@@ -21,8 +26,7 @@ static int32_t payload_ok(uint32_t kind, const uint8_t *p, size_t n)
                p[3] <= 24u && (uint32_t)p[0] + p[1] <= PLFX_PACKET_REGIONS_MAX &&
                n == PLFX_PACKET_REGION_HEAD + PLFX_PACKET_REGION_BYTES * (size_t)p[1];
     case PLFX_PACKET_MODES:
-        return n > 0 && n % PLFX_PACKET_MODE_BYTES == 0 &&
-               n / PLFX_PACKET_MODE_BYTES <= PLFX_PACKET_MODES_MAX;
+        return n > 0 && n % PLFX_PACKET_MODE_BYTES == 0;
     case PLFX_PACKET_HEALTH:
         return n == PLFX_PACKET_HEALTH_BYTES;
     default:

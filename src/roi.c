@@ -4,6 +4,7 @@
 #include "arena.h"
 #include "fix.h"
 #include "roi_state.h"
+#include "sure.h"
 
 #include <string.h>
 
@@ -160,14 +161,11 @@ static void fill_gains(plfx_roi *roi, plfx_roi_patch *p)
     for (k = 0; k < roi->cfg.views; k++) {
         for (y = 0; y < h; y++) {
             plfx_offset o = roi->cfg.at[k];
-            plfx_status s = plfx_lut_gain_row(roi->cfg.lut, p->j0 + y - PLFX_ROI_MARGIN,
-                                              o.u_q8, o.v_q8, roi->row);
-            if (s == PLFX_OK) {
-                /* NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): has gains */
-                memcpy(p->gain + (size_t)(k * h + y) * (size_t)w,
-                       roi->row + (p->i0 - PLFX_ROI_MARGIN),
-                       (size_t)w * sizeof *roi->row);
-            }
+            plfx_sure(plfx_lut_gain_row(roi->cfg.lut, p->j0 + y - PLFX_ROI_MARGIN,
+                                        o.u_q8, o.v_q8, roi->row));
+            /* NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): has gains */
+            memcpy(p->gain + (size_t)(k * h + y) * (size_t)w,
+                   roi->row + (p->i0 - PLFX_ROI_MARGIN), (size_t)w * sizeof *roi->row);
         }
     }
 }

@@ -65,7 +65,7 @@ static int32_t clamp27(int64_t v)
  *   A + B = sum g, A*mb + B*md = sum g*R, A = alpha*n_bright, B = beta*n_dark. */
 static void project(plfx_roi_patch *p, const moments *m)
 {
-    int64_t mb = p->ref_bright * 16 / (p->n_bright > 0 ? p->n_bright : 1);
+    int64_t mb = p->ref_bright * 16 / p->n_bright; /* the greatest sample is bright */
     int64_t md = p->ref_dark * 16 / (p->n_dark > 0 ? p->n_dark : 1);
     int32_t k;
 
@@ -74,7 +74,7 @@ static void project(plfx_roi_patch *p, const moments *m)
         int64_t a = mb > md ? (m->ref[k] * 16 - sum * md) / (mb - md) : sum;
         p->alpha_q12[k] = 0;
         p->beta_q12[k] = 0;
-        if (p->n_bright > 0 && p->n_dark > 0) {
+        if (p->n_dark > 0) {
             p->alpha_q12[k] = clamp27(a * 4096 / p->n_bright);
             p->beta_q12[k] = clamp27((sum - a) * 4096 / p->n_dark);
         }
@@ -315,7 +315,7 @@ static void spread_common(const plfx_roi *roi, plfx_roi_patch *p)
     errors_of(p, v, p->common_q12);
     for (k = 0; k < 3; k++) {
         p->common_q12[k] =
-            p->common_q12[k] < 1u << 27 ? p->common_q12[k] * 16u : 1u << 31;
+            16u * (p->common_q12[k] < 1u << 27 ? p->common_q12[k] : 1u << 27);
     }
 }
 

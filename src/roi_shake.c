@@ -121,7 +121,7 @@ plfx_status plfx_roi_shake_fit(const plfx_roi *roi, const plfx_roi_result *resul
     shake->v_q24 = plfx_sat_i32(m.v);
     shake->w_q24 = plfx_sat_i32(m.w);
     s = sums_of(roi, result, &m);
-    if (m.n >= 2 && s.ii + s.jj >= 256) {
+    if (s.ii + s.jj >= 256) {                        /* of one alone they are 0 */
         int64_t size = plfx_asr_i64(s.ii + s.jj, 4); /* q4 of lenses squared */
         shake->zoom_q24 = plfx_sat_i32(plfx_div_round_i64(s.iu + s.jv, size));
         shake->turn_q24 = plfx_sat_i32(plfx_div_round_i64(s.iv - s.ju, size));
