@@ -89,9 +89,12 @@ static void make_disc(search *s)
 
     for (y = -w->half; y <= w->half; y++) {
         int64_t left = r * r - (int64_t)65536 * y * y;
-        int32_t span = left < 0 ? -1 : (int32_t)(plfx_isqrt_u64((uint64_t)left) >> 8);
+        int32_t span = -1; /* none */
+        if (left >= 0) {
+            span = (int32_t)(plfx_isqrt_u64((uint64_t)left) >> 8);
+            w->cells += 2 * span + 1;
+        }
         w->span[y + w->half] = (int16_t)span;
-        w->cells += 2 * span + 1; /* -1: none */
     }
 }
 
@@ -246,18 +249,20 @@ static tally total(const search *s)
 /* About their mean place, where the normal equations are diagonal but for the rounding
  * of that place: half of q4. */
 typedef struct pivot {
-    int64_t x, y, rr; /* q4, q4, q8 */
+    int64_t x, y, rr; /* q4, q4, q8, at least 1: lenses in one place pull with 0 */
     int64_t n;
 } pivot;
 
 static pivot pivot_of(const tally *t)
 {
     pivot p;
+    int64_t rr;
 
     p.n = t->n;
     p.x = plfx_div_round_i64(t->x, t->n);
     p.y = plfx_div_round_i64(t->y, t->n);
-    p.rr = t->rr - 2 * (p.x * t->x + p.y * t->y) + t->n * (p.x * p.x + p.y * p.y);
+    rr = t->rr - 2 * (p.x * t->x + p.y * t->y) + t->n * (p.x * p.x + p.y * p.y);
+    p.rr = rr > 1 ? rr : 1;
     return p;
 }
 
@@ -273,7 +278,7 @@ static int64_t tangent(const tally *t, const pivot *p)
 
 static int64_t clamp(int64_t v, int64_t most)
 {
-    return v > most ? most : v < -most ? -most : v;
+    return plfx_clamp_i64(v, -most, most);
 }
 
 /* One step of the similarity; the longest displacement it makes at a corner.  A turn or
@@ -282,12 +287,10 @@ static int64_t solve(search *s)
 {
     const tally t = total(s);
     const pivot p = pivot_of(&t);
-    similarity d = {0, 0, 0, 0};
+    similarity d;
 
-    if (p.rr > 0) {
-        d.scale_q30 = clamp(plfx_drift_ratio(radial(&t, &p), p.rr, 14), 1 << 26);
-        d.rotation_q30 = clamp(plfx_drift_ratio(tangent(&t, &p), p.rr, 14), 1 << 26);
-    }
+    d.scale_q30 = clamp(plfx_drift_ratio(radial(&t, &p), p.rr, 14), 1 << 26);
+    d.rotation_q30 = clamp(plfx_drift_ratio(tangent(&t, &p), p.rr, 14), 1 << 26);
     d.sx_q20 = plfx_div_round_i64(t.dx, t.n) -
                plfx_asr_i64(d.scale_q30 * p.x - d.rotation_q30 * p.y, 14);
     d.sy_q20 = plfx_div_round_i64(t.dy, t.n) -
@@ -361,10 +364,8 @@ static pulls pull(const search *s, const pivot *p)
         const tally *t = &s->tile[k];
         v.x_q48 += square(plfx_drift_ratio(t->dx, p->n, 4));
         v.y_q48 += square(plfx_drift_ratio(t->dy, p->n, 4));
-        if (p->rr > 0) {
-            v.scale_q72 += square(plfx_drift_ratio(radial(t, p), p->rr, 20));
-            v.turn_q72 += square(plfx_drift_ratio(tangent(t, p), p->rr, 20));
-        }
+        v.scale_q72 += square(plfx_drift_ratio(radial(t, p), p->rr, 20));
+        v.turn_q72 += square(plfx_drift_ratio(tangent(t, p), p->rr, 20));
         used += t->n > 0;
     }
     used = used > 1 ? used : 2;

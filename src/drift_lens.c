@@ -2,6 +2,7 @@
  * Where one lens lies against the mean micro-image. */
 #include "drift_state.h"
 #include "fix.h"
+#include "sure.h"
 
 #include <string.h>
 
@@ -93,10 +94,8 @@ int32_t plfx_drift_sample(const plfx_drift_window *w, int32_t x_q12, int32_t y_q
     weights(x_q12 - 2048, tx);
     weights(y_q12 - 2048, ty);
     for (y = 0; y < read; y++) {
-        if (plfx_raw_row_at(w->raw, y0 + y, &row) != PLFX_OK ||
-            plfx_raw_unpack(&row, x0, read, w->row) != PLFX_OK) {
-            return 0;
-        }
+        plfx_sure(plfx_raw_row_at(w->raw, y0 + y, &row));
+        plfx_sure(plfx_raw_unpack(&row, x0, read, w->row));
         along_row(w->row, w->n, 16 - w->raw->bits, tx, w->ring + (y & RING) * w->n);
         if (y >= TAPS - 1) {
             across_rows(w, y - TAPS + 1, ty);
@@ -276,7 +275,7 @@ int32_t plfx_drift_kernels(plfx_drift_window *w)
     int32_t xy;
     int32_t yy;
 
-    m.down = w->folded > 15 ? plfx_log2_u64((uint64_t)w->folded) - 3 : 0;
+    m.down = plfx_max_i32(plfx_log2_u64((uint64_t)w->folded) - 3, 0);
     s = survey(w, &m);
     q = fill(w, &m, &s);
     down = excess(q.xx > q.yy ? q.xx : q.yy);

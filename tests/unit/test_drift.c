@@ -16,6 +16,7 @@ static ref_rng rng;
 
 typedef struct drawn { /* how lenses lie and look */
     int hex, nx, ny;
+    int left, above; /* columns and rows of the array before the usual first lens */
     double pitch, angle, width; /* px, radians, 1-sigma of a spot */
     double shift_x, shift_y, turn, grow, noise;
 } drawn;
@@ -46,6 +47,10 @@ static plfx_lut table(const drawn *d, int bits)
     desc.lattice.a.y_q22 = (int32_t)lround(s);
     desc.lattice.b.x_q22 = (int32_t)lround(-row * s);
     desc.lattice.b.y_q22 = (int32_t)lround(row * c);
+    desc.lattice.origin.x_q16 -=
+        (d->left * desc.lattice.a.x_q22 + d->above * desc.lattice.b.x_q22) / 64;
+    desc.lattice.origin.y_q16 -=
+        (d->left * desc.lattice.a.y_q22 + d->above * desc.lattice.b.y_q22) / 64;
     desc.lattice.odd.x_q22 = d->hex ? (int32_t)lround(0.5 * c) : 0;
     desc.lattice.odd.y_q22 = d->hex ? (int32_t)lround(0.5 * s) : 0;
     desc.flags = flags;
@@ -106,7 +111,7 @@ static plfx_drift find(const plfx_lut *lut, const plfx_raw *r)
     return d;
 }
 
-static const drawn plain = {0, 18, 15, 14.3, 0.01, 1.7, 0.0, 0.0, 0.0, 0.0, 1.0};
+static const drawn plain = {0, 18, 15, 0, 0, 14.3, 0.01, 1.7, 0.0, 0.0, 0.0, 0.0, 1.0};
 
 static void within(double value, double want, double tolerance, const char *what)
 {
@@ -265,6 +270,119 @@ static void what_is_no_lattice_is_told_apart(void **state)
     memset(flags, 0, sizeof flags);
 }
 
+/* Columns or rows more on a side of the array: what leaves the frame is not
+ * looked at, the rest gives the same drift. */
+static void lenses_off_the_frame_are_left_out(void **state)
+{
+    plfx_raw r = raw();
+    int side;
+
+    (void)state;
+    for (side = 0; side < 4; side++) {
+        drawn d = plain;
+        plfx_lut lut;
+        plfx_drift got;
+
+        rng.state = 11u;
+        d.shift_x = 0.21;
+        d.shift_y = -0.13;
+        d.left = side == 0 ? 2 : 0;
+        d.above = side == 1 ? 2 : 0;
+        d.nx += side == 2 ? 3 : d.left;
+        d.ny += side == 3 ? 3 : d.above;
+        lut = table(&d, 16);
+        paint(&d, &lut);
+        got = find(&lut, &r);
+        assert_int_equal(got.state, PLFX_DRIFT_MEASURED);
+        assert_in_range(got.tried, 16 * 13, 18 * 15);
+        assert_true(got.tried < (d.nx - 2) * (d.ny - 2));
+        within(got.shift_x_q20 / 1048576.0, 0.21, 4.0 * got.shift_sigma_q20 / 1048576.0,
+               "x");
+        within(got.shift_y_q20 / 1048576.0, -0.13,
+               4.0 * got.shift_sigma_q20 / 1048576.0, "y");
+    }
+}
+
+/* 270 lenses, 64 asked for: every third of every third row. */
+static void no_more_lenses_are_tried_than_asked(void **state)
+{
+    plfx_lut lut = table(&plain, 16);
+    plfx_raw r = raw();
+    plfx_drift d;
+
+    (void)state;
+    rng.state = 3u;
+    paint(&plain, &lut);
+    assert_int_equal(plfx_drift_find(&lut, &r, 64, workspace(), sizeof memory - 64, &d),
+                     PLFX_OK);
+    assert_int_equal(d.state, PLFX_DRIFT_MEASURED);
+    assert_int_equal(d.tried, 5 * 4);
+    assert_int_equal(plfx_drift_find(&lut, &r, 72, workspace(), sizeof memory - 64, &d),
+                     PLFX_OK);
+    assert_int_equal(d.tried, 8 * 6); /* every second: 9 x 8 of the whole array */
+}
+
+/* Stripes have centroids along x alone; sixteen lenses of noise agree in nothing. */
+static void stripes_are_flat_and_few_lenses_of_noise_disagree(void **state)
+{
+    drawn d = plain;
+    plfx_lut lut = table(&d, 16);
+    plfx_raw r = raw();
+    plfx_drift got;
+    int k;
+
+    (void)state;
+    d.angle = 0.0;
+    lut = table(&d, 16);
+    for (k = 0; k < W * H; k++) {
+        frame[k] = (uint16_t)(30000 + 20000 * cos(2 * 3.14159265 / d.pitch * (k % W)));
+    }
+    assert_int_equal(find(&lut, &r).state, PLFX_DRIFT_FLAT);
+    d.nx = d.ny = 6;
+    lut = table(&d, 16);
+    rng.state = 17u;
+    for (k = 0; k < W * H; k++) {
+        frame[k] = (uint16_t)ref_range(&rng, 0, 65535);
+    }
+    got = find(&lut, &r);
+    assert_int_equal(got.state, PLFX_DRIFT_DISAGREE);
+    assert_int_equal(got.tried, 16);
+    assert_true(got.lenses < 16);
+}
+
+/* One random picture in every lens has no centre to settle on: the lattice wanders. */
+static void pictures_without_a_centre_disagree(void **state)
+{
+    drawn d = plain;
+    plfx_raw r = raw();
+    plfx_lut lut;
+    int wandered = 0;
+    int n;
+
+    (void)state;
+    d.pitch = 14.0;
+    d.angle = 0.0;
+    lut = table(&d, 16);
+    rng.state = 23u;
+    for (n = 0; n < 6; n++) {
+        uint16_t lens[14 * 14];
+        plfx_drift got;
+        int k;
+
+        for (k = 0; k < 14 * 14; k++) {
+            lens[k] = (uint16_t)ref_range(&rng, 20000, 40000);
+        }
+        for (k = 0; k < W * H; k++) {
+            frame[k] = lens[k / W % 14 * 14 + k % W % 14];
+        }
+        got = find(&lut, &r);
+        if (2 * got.lenses >= got.tried) {
+            wandered += got.state == PLFX_DRIFT_DISAGREE;
+        }
+    }
+    assert_true(wandered > 0);
+}
+
 static void dead_and_hot_lenses_do_not_pull(void **state)
 {
     drawn d = plain;
@@ -351,6 +469,10 @@ int main(void)
         cmocka_unit_test(errors_are_as_stated),
         cmocka_unit_test(format_and_mosaic_do_not_matter),
         cmocka_unit_test(what_is_no_lattice_is_told_apart),
+        cmocka_unit_test(lenses_off_the_frame_are_left_out),
+        cmocka_unit_test(no_more_lenses_are_tried_than_asked),
+        cmocka_unit_test(stripes_are_flat_and_few_lenses_of_noise_disagree),
+        cmocka_unit_test(pictures_without_a_centre_disagree),
         cmocka_unit_test(dead_and_hot_lenses_do_not_pull),
         cmocka_unit_test(arguments_are_checked),
     };
