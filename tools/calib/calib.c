@@ -224,7 +224,8 @@ static int reshape(work *w, block b, int per)
     free(w->pixels);
     w->pixels = NULL;
     if (plft_bank_init(&w->bank, &c->shape, radius) != 0 ||
-        (w->pixels = malloc(2u * (size_t)w->bank.len * sizeof *w->pixels)) == NULL) {
+        (w->pixels = calloc((size_t)w->bank.len,
+                            PLFT_LOCATE_SCRATCH * sizeof *w->pixels)) == NULL) {
         return fail(c, "the mean micro-image has no structure to register against");
     }
     return 0;

@@ -27,16 +27,18 @@ typedef struct work {
 /* Light at (x,y) of the white frame, bilinear; -1 off the picture. */
 static double sample(const plft_grey *g, double x, double y)
 {
-    const int ix = (int)floor(x), iy = (int)floor(y);
+    const int ix = (int)x, iy = (int)y; /* floors, once below 0 is out */
     const double fx = x - ix, fy = y - iy;
     const uint16_t *p;
+    double v;
 
-    if (ix < 0 || iy < 0 || ix + 1 >= g->w || iy + 1 >= g->h) {
+    if (x < 0.0 || y < 0.0 || ix + 1 >= g->w || iy + 1 >= g->h) {
         return -1.0;
     }
     p = g->px + (size_t)iy * (size_t)g->w + (size_t)ix;
-    return fmax(0.0, (1.0 - fy) * ((1.0 - fx) * p[0] + fx * p[1]) +
-                         fy * ((1.0 - fx) * p[g->w] + fx * p[g->w + 1]) - g->pedestal);
+    v = (1.0 - fy) * ((1.0 - fx) * p[0] + fx * p[1]) +
+        fy * ((1.0 - fx) * p[g->w] + fx * p[g->w + 1]) - g->pedestal;
+    return v > 0.0 ? v : 0.0;
 }
 
 static double light(const work *w, int lens, double u, double v)

@@ -6,6 +6,8 @@
 #include <string.h>
 
 #define PEDESTAL 1024
+#define HOT      1310 /* 2 % of full scale */
+#define LANES    8
 
 static int same_kind(plft_grey *g, int w, int h, int bits)
 {
@@ -49,6 +51,21 @@ int plft_grey_add(plft_grey *g, const uint16_t *px, int w, int h, int bits)
     }
     g->frames++;
     return 0;
+}
+
+/* One frame without a dark one: the samples, left aligned. */
+static void align(plft_grey *g, size_t n, int shift, unsigned top)
+{
+    uint16_t *px = g->px;
+    uint32_t clipped = 0;
+    size_t k;
+
+    for (k = 0; k < n; k++) {
+        const unsigned full = px[k] >= top;
+        px[k] = (uint16_t)(full != 0u ? PLFT_SATURATED : (unsigned)px[k] << shift);
+        clipped += full;
+    }
+    g->saturated += clipped;
 }
 
 /* One sample: mean, dark, pedestal, 16 bits.  Rounded once. */
@@ -124,6 +141,10 @@ int plft_grey_finish(plft_grey *g, const uint16_t *dark)
     if (g->px == NULL || g->frames == 0) {
         return -1;
     }
+    if (g->sum == NULL && frames == 1u && dark == NULL) {
+        align(g, n, shift, top);
+        return 0;
+    }
     for (k = 0; k < n; k++) {
         uint32_t sum = g->sum != NULL ? g->sum[k] : g->px[k];
         int clipped = g->sum != NULL ? (sum & 0x80000000u) != 0u : sum >= top;
@@ -163,22 +184,51 @@ static void around(const uint16_t *r0, const uint16_t *r1, const uint16_t *r2, i
     }
 }
 
-static void hot_row(plft_grey *g, const uint16_t *r0, const uint16_t *r1, int y)
+/* Mean of the neighbours where r1[x] stands out of them, else r1[x]. */
+static int mended(const uint16_t *r0, const uint16_t *r1, const uint16_t *r2, int x)
 {
-    const int32_t margin = 65536 / 50;
+    int32_t second, low, sum;
+
+    around(r0, r1, r2, x, &second, &low, &sum);
+    return r1[x] - second > 3 * (second - low) + HOT ? sum / 8 : -1;
+}
+
+/* Where in a row a pixel is HOT over all neighbours but the highest: mark 1. */
+static void suspect(const uint16_t *restrict r0, const uint16_t *restrict r1,
+                    const uint16_t *restrict r2, int w, uint16_t *restrict mark)
+{
+    int x, k;
+
+    for (x = 1; x + 1 < w; x++) {
+        const uint16_t v[8] = {r0[x - 1], r0[x],     r0[x + 1], r1[x - 1],
+                               r1[x + 1], r2[x - 1], r2[x],     r2[x + 1]};
+        uint16_t first = 0, second = 0;
+        for (k = 0; k < 8; k++) {
+            const uint16_t less = v[k] < first ? v[k] : first;
+            second = less > second ? less : second;
+            first = v[k] > first ? v[k] : first;
+        }
+        mark[x] = (uint16_t)(r1[x] > HOT ? r1[x] - HOT : 0) > second ? 1 : 0;
+    }
+}
+
+static void hot_row(plft_grey *g, const uint16_t *r0, const uint16_t *r1, int y,
+                    uint16_t *mark)
+{
     uint16_t *row = g->px + (size_t)y * (size_t)g->w;
     const uint16_t *r2 = row + g->w;
     int x;
 
+    suspect(r0, r1, r2, g->w, mark);
     for (x = 1; x + 1 < g->w; x++) {
-        const int32_t v = r1[x];
-        int32_t second, low, sum;
-        if (v < margin + r1[x - 1] && v < margin + r1[x + 1]) {
-            continue;
+        static const uint16_t none[LANES] = {0};
+        int v;
+        while (x + LANES < g->w && memcmp(mark + x, none, sizeof none) == 0) {
+            x += LANES;
         }
-        around(r0, r1, r2, x, &second, &low, &sum);
-        if (v - second > 3 * (second - low) + margin) {
-            row[x] = (uint16_t)(sum / 8);
+        v = mark[x] != 0 && x + 1 < g->w ? mended(r0, r1, r2, x) : -1;
+        if (v >= 0) {
+            row[x] = (uint16_t)v;
             g->hot++;
         }
     }
@@ -186,27 +236,25 @@ static void hot_row(plft_grey *g, const uint16_t *r0, const uint16_t *r1, int y)
 
 void plft_grey_drop_hot(plft_grey *g)
 {
-    const size_t bytes = (size_t)g->w * sizeof *g->px;
-    uint16_t *r0, *r1, *swap;
+    const size_t w = (size_t)g->w;
+    uint16_t *r0, *r1, *swap, *rows;
     int y;
 
-    if (g->w < 3 || g->h < 3) {
+    rows = g->w < 3 || g->h < 3 ? NULL : calloc(3u * w, sizeof *rows);
+    if (rows == NULL) {
         return;
     }
-    r0 = malloc(bytes);
-    r1 = malloc(bytes);
-    if (r0 != NULL && r1 != NULL) {
-        memcpy(r0, g->px, bytes);
-        for (y = 1; y + 1 < g->h; y++) { /* r0, r1: rows y-1, y as they came */
-            memcpy(r1, g->px + (size_t)y * (size_t)g->w, bytes);
-            hot_row(g, r0, r1, y);
-            swap = r0;
-            r0 = r1;
-            r1 = swap;
-        }
+    r0 = rows;
+    r1 = rows + w;
+    memcpy(r0, g->px, w * sizeof *r0);
+    for (y = 1; y + 1 < g->h; y++) { /* r0, r1: rows y-1, y as they came */
+        memcpy(r1, g->px + (size_t)y * w, w * sizeof *r1);
+        hot_row(g, r0, r1, y, rows + 2u * w);
+        swap = r0;
+        r0 = r1;
+        r1 = swap;
     }
-    free(r0);
-    free(r1);
+    free(rows);
 }
 
 void plft_grey_free(plft_grey *g)

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #define LANES  8 /* independent sums: the compiler may use vectors */
+#define PIXELS 4 /* rows of a window are read by so many */
 #define ROUNDS 6
 #define CUT    4.0  /* times the residual: a pixel that is not of this lens */
 #define GRAIN  0.15 /* of the local height: what a pixel of this lens may be off */
@@ -43,6 +44,22 @@ static void gram(const plft_bank *b, const float *basis, const float *mask,
     }
 }
 
+/* 0, or -1 when the mask leaves too little. */
+static int invert_gram(const plft_bank *b, const float *basis, const float *mask,
+                       plft_normal *out)
+{
+    double *g = out->inverse;
+
+    gram(b, basis, mask, g);
+    if (!(g[0] > 0.0)) {
+        return -1;
+    }
+    out->count = g[0];
+    out->sum = g[4];
+    out->squares = g[5];
+    return plft_spd_invert(g, 4);
+}
+
 /* Basis and pseudo-inverse of one phase. */
 static int tabulate(plft_bank *b, const plft_shape *s, int kx, int ky)
 {
@@ -50,13 +67,13 @@ static int tabulate(plft_bank *b, const plft_shape *s, int kx, int ky)
     float *basis = b->basis + 4u * at * (size_t)b->len;
     float *solve = b->solve + 4u * at * (size_t)b->len;
     const double fx = (double)kx / b->phases - 0.5, fy = (double)ky / b->phases - 0.5;
-    double g[16];
+    double *g = b->fit[at].inverse;
     int x, y, i, j, k;
 
     for (y = 0; y < b->n; y++) {
         for (x = 0; x < b->n; x++) {
             double v, gx, gy;
-            k = y * b->n + x;
+            k = y * b->stride + x;
             plft_shape_even(s, x - b->half - fx, y - b->half - fy, &v, &gx, &gy);
             basis[k] = 1.0f;
             basis[b->len + k] = (float)v;
@@ -64,14 +81,9 @@ static int tabulate(plft_bank *b, const plft_shape *s, int kx, int ky)
             basis[3 * b->len + k] = (float)-gy;
         }
     }
-    gram(b, basis, b->mask, g);
-    b->cov[4u * at + 3u] = g[5] - g[4] * g[4] / g[0];
-    if (plft_spd_invert(g, 4) != 0) {
+    if (invert_gram(b, basis, b->mask, &b->fit[at]) != 0) {
         return -1;
     }
-    b->cov[4u * at] = g[0];
-    b->cov[4u * at + 1u] = g[10];
-    b->cov[4u * at + 2u] = g[15];
     for (i = 0; i < 4; i++) {
         for (k = 0; k < b->len; k++) {
             double v = 0.0;
@@ -84,17 +96,6 @@ static int tabulate(plft_bank *b, const plft_shape *s, int kx, int ky)
     return 0;
 }
 
-static double count(const plft_bank *b, const float *mask)
-{
-    double s = 0.0;
-    int k;
-
-    for (k = 0; k < b->len; k++) {
-        s += mask[k];
-    }
-    return s;
-}
-
 static void fill_mask(plft_bank *b)
 {
     int x, y;
@@ -102,8 +103,9 @@ static void fill_mask(plft_bank *b)
     for (y = 0; y < b->n; y++) {
         for (x = 0; x < b->n; x++) {
             double dx = x - b->half, dy = y - b->half;
-            b->mask[y * b->n + x] =
-                dx * dx + dy * dy <= b->radius * b->radius ? 1.0f : 0.0f;
+            const int in = dx * dx + dy * dy <= b->radius * b->radius;
+            b->mask[y * b->stride + x] = in ? 1.0f : 0.0f;
+            b->count += in;
         }
     }
 }
@@ -130,21 +132,21 @@ int plft_bank_init(plft_bank *b, const plft_shape *s, double radius)
     memset(b, 0, sizeof *b);
     b->half = (int)ceil(radius);
     b->n = 2 * b->half + 1;
-    b->len = (b->n * b->n + LANES - 1) / LANES * LANES;
+    b->stride = (b->n + PIXELS - 1) / PIXELS * PIXELS;
+    b->len = (b->n * b->stride + LANES - 1) / LANES * LANES;
     b->phases = b->n > 64 ? 4 : 8;
     b->radius = radius;
     bins = (size_t)(b->phases + 1) * (size_t)(b->phases + 1);
     bytes = 4u * bins * (size_t)b->len;
     b->solve = calloc(bytes, sizeof *b->solve);
     b->basis = calloc(bytes, sizeof *b->basis);
-    b->cov = calloc(4u * bins, sizeof *b->cov);
+    b->fit = calloc(bins, sizeof *b->fit);
     b->mask = calloc((size_t)b->len, sizeof *b->mask);
-    if (b->solve == NULL || b->basis == NULL || b->cov == NULL || b->mask == NULL) {
+    if (b->solve == NULL || b->basis == NULL || b->fit == NULL || b->mask == NULL) {
         plft_bank_free(b);
         return -1;
     }
     fill_mask(b);
-    b->count = count(b, b->mask);
     b->peak = contrast(s, radius);
     for (ky = 0; ky <= b->phases; ky++) {
         for (kx = 0; kx <= b->phases; kx++) {
@@ -161,50 +163,86 @@ void plft_bank_free(plft_bank *b)
 {
     free(b->solve);
     free(b->basis);
-    free(b->cov);
+    free(b->fit);
     free(b->mask);
     memset(b, 0, sizeof *b);
 }
 
-/* Pixels of the window around (cx,cy) minus `ref`; their mask (the bank's without what
- * is off the picture or clipped).  Returns 1 when the mask differs from the bank's. */
-static int read_window(const plft_bank *b, const plft_grey *g, int cx, int cy,
-                       float *px, float *mask, float *ref, int *clipped)
-{
-    const int whole =
-        cx >= b->half && cy >= b->half && cx + b->half < g->w && cy + b->half < g->h;
-    const int inner = b->half / 2;
-    uint16_t top = 0;
-    int x, y, differs = !whole;
+/* State of one search. */
+typedef struct search {
+    float *px, *own, *error; /* [len] pixels minus ref; mask of its own; squares */
+    const float *mask, *basis;
+    double p[4];
+    plft_normal fit;
+    float ref;
+    int cx, cy, clipped, differs;
+} search;
 
-    *ref = g->px[(size_t)cy * (size_t)g->w + (size_t)cx];
-    *clipped = 0;
-    for (y = 0; whole && y < b->n; y++) {
-        const uint16_t *row =
-            g->px + (size_t)(cy - b->half + y) * (size_t)g->w + cx - b->half;
-        float *p = px + y * b->n;
-        for (x = 0; x < b->n; x++) {
-            top = row[x] > top ? row[x] : top;
-            p[x] = (float)row[x] - *ref;
+/* Pixels of a window that lies whole on the picture, minus s->ref; the highest. */
+static float read_whole(const plft_bank *b, const plft_grey *g, search *s)
+{
+    const uint16_t *row =
+        g->px + (size_t)(s->cy - b->half) * (size_t)g->w + (size_t)(s->cx - b->half);
+    float top[PIXELS] = {0}, *p = s->px;
+    int x, y, l;
+
+    for (y = 0; y < b->n; y++, row += g->w) {
+        for (x = 0; x < b->stride; x += PIXELS, p += PIXELS) {
+            for (l = 0; l < PIXELS; l++) {
+                const float v = (float)row[x + l];
+                top[l] = v > top[l] ? v : top[l];
+                p[l] = v - s->ref;
+            }
         }
     }
-    if (whole && top < PLFT_SATURATED) {
-        return 0;
+    for (l = 1; l < PIXELS; l++) {
+        top[0] = top[l] > top[0] ? top[l] : top[0];
     }
+    return top[0];
+}
+
+/* The same pixel by pixel: those off the picture or clipped leave the mask. */
+static void read_masked(const plft_bank *b, const plft_grey *g, search *s)
+{
+    const int inner = b->half / 2;
+    int x, y;
+
     for (y = 0; y < b->n; y++) {
         for (x = 0; x < b->n; x++) {
-            const int k = y * b->n + x, gx = cx - b->half + x, gy = cy - b->half + y;
+            const int k = y * b->stride + x, gx = s->cx - b->half + x,
+                      gy = s->cy - b->half + y;
             const int in = gx >= 0 && gy >= 0 && gx < g->w && gy < g->h;
             const uint16_t v = in ? g->px[(size_t)gy * (size_t)g->w + (size_t)gx] : 0;
             const int bad = !in || v == PLFT_SATURATED;
-            mask[k] = bad ? 0.0f : b->mask[k];
-            px[k] = bad ? 0.0f : (float)v - *ref;
-            differs |= bad;
-            *clipped += in && v == PLFT_SATURATED && abs(x - b->half) <= inner &&
-                        abs(y - b->half) <= inner;
+            s->own[k] = bad ? 0.0f : b->mask[k];
+            s->px[k] = bad ? 0.0f : (float)v - s->ref;
+            s->differs |= bad;
+            s->clipped += in && v == PLFT_SATURATED && abs(x - b->half) <= inner &&
+                          abs(y - b->half) <= inner;
         }
     }
-    return differs;
+}
+
+/* Window around (cx,cy), unless it is there already. */
+static void read_window(const plft_bank *b, const plft_grey *g, int cx, int cy,
+                        search *s)
+{
+    const int x0 = cx - b->half, y0 = cy - b->half;
+
+    if (s->mask != NULL && cx == s->cx && cy == s->cy) {
+        return;
+    }
+    s->cx = cx;
+    s->cy = cy;
+    s->ref = g->px[(size_t)cy * (size_t)g->w + (size_t)cx];
+    s->clipped = s->differs = 0;
+    if (x0 < 0 || y0 < 0 || x0 + b->stride > g->w || y0 + b->n > g->h ||
+        read_whole(b, g, s) >= (float)PLFT_SATURATED) {
+        memset(s->px, 0, (size_t)b->len * sizeof *s->px);
+        memset(s->own, 0, (size_t)b->len * sizeof *s->own);
+        read_masked(b, g, s);
+    }
+    s->mask = s->differs ? s->own : b->mask;
 }
 
 /* out[i] = sum over the window of rows[i] * px, i = 0..3. */
@@ -229,119 +267,162 @@ static void four_sums(const plft_bank *b, const float *rows, const float *px,
     }
 }
 
-/* Squared residual over the mask; *worst is the largest single square. */
-static double residual(const plft_bank *b, const float *basis, const float *px,
-                       const float *mask, const double p[4], double *worst)
+/* Squared residuals under the mask into s->error. */
+static void residuals(const plft_bank *b, const search *s)
 {
-    const float p0 = (float)p[0], p1 = (float)p[1], p2 = (float)p[2], p3 = (float)p[3];
-    float sum[LANES] = {0}, top[LANES] = {0};
-    double s = 0.0;
-    int k, l;
+    const float *restrict v = s->basis + b->len, *restrict vx = v + b->len,
+                          *restrict vy = vx + b->len, *restrict px = s->px,
+                          *restrict mask = s->mask;
+    const float p0 = (float)s->p[0], p1 = (float)s->p[1], p2 = (float)s->p[2],
+                p3 = (float)s->p[3];
+    float *restrict error = s->error;
+    int k;
 
-    for (k = 0; k < b->len; k += LANES) {
-        for (l = 0; l < LANES; l++) {
-            const int q = k + l;
-            float r = px[q] - p0 - p1 * basis[b->len + q] - p2 * basis[2 * b->len + q] -
-                      p3 * basis[3 * b->len + q];
-            r = r * r * mask[q];
-            sum[l] += r;
-            top[l] = r > top[l] ? r : top[l];
-        }
+    for (k = 0; k < b->len; k++) {
+        const float r = px[k] - p0 - p1 * v[k] - p2 * vx[k] - p3 * vy[k];
+        error[k] = r * r * mask[k];
     }
-    *worst = 0.0;
-    for (l = 0; l < LANES; l++) {
-        s += sum[l];
-        *worst = top[l] > *worst ? top[l] : *worst;
-    }
-    return s;
 }
 
-/* Solve with a mask of its own; cov as in the bank.  0, or -1. */
-static int solve_masked(const plft_bank *b, const float *basis, const float *px,
-                        const float *mask, double p[4], double cov[4])
+/* Their variance. */
+static double variance(const plft_bank *b, const search *s)
 {
-    double g[16], rhs[4];
+    float lane[LANES] = {0};
+    double sum = 0.0;
+    int k, l;
+
+    residuals(b, s);
+    for (k = 0; k < b->len; k += LANES) {
+        for (l = 0; l < LANES; l++) {
+            lane[l] += s->error[k + l];
+        }
+    }
+    for (l = 0; l < LANES; l++) {
+        sum += lane[l];
+    }
+    return sum / fmax(s->fit.count - 4.0, 1.0);
+}
+
+/* Solution over a mask of the window's own.  0, or -1. */
+static int solve_masked(const plft_bank *b, search *s)
+{
+    double rhs[4];
     int i, k;
 
-    gram(b, basis, mask, g);
-    if (!(g[0] > 0.0)) {
+    if (invert_gram(b, s->basis, s->mask, &s->fit) != 0 || s->fit.count < 12.0) {
         return -1;
     }
-    cov[3] = g[5] - g[4] * g[4] / g[0];
     for (i = 0; i < 4; i++) {
         rhs[i] = 0.0;
         for (k = 0; k < b->len; k++) {
-            rhs[i] += (double)(basis[i * b->len + k] * px[k] * mask[k]);
+            rhs[i] += (double)(s->basis[i * b->len + k] * s->px[k] * s->mask[k]);
         }
     }
-    if (plft_spd_invert(g, 4) != 0) {
-        return -1;
-    }
-    plft_mat_vec(g, rhs, 4, p);
-    cov[0] = g[0];
-    cov[1] = g[10];
-    cov[2] = g[15];
+    plft_mat_vec(s->fit.inverse, rhs, 4, s->p);
     return 0;
 }
 
-/* Drop from the mask the pixels whose squared residual is over `limit` and over what
- * shot noise and the shape's error explain, GRAIN of the local height; how many. */
-static int drop_outliers(const plft_bank *b, const float *basis, const float *px,
-                         float *mask, const double p[4], double limit)
+/* Take pixel k out of the solution: Sherman and Morrison's update of the inverse P and
+ * of p = P rhs, with basis f: P += Pf f'P/(1 - f'Pf), p -= Pf (px - f'p)/(1 - f'Pf).
+ * 0, or -1 when the rest would not hold the four unknowns. */
+static int take_out(const plft_bank *b, search *s, int k)
 {
-    int k, n = 0;
+    double *inverse = s->fit.inverse, f[4], pf[4], left = 1.0, e = s->px[k];
+    int i, j;
 
-    for (k = 0; k < b->len; k++) {
-        double height = p[1] * basis[b->len + k];
-        double r = px[k] - p[0] - height - p[2] * basis[2 * b->len + k] -
-                   p[3] * basis[3 * b->len + k];
-        double grain = GRAIN * height;
-        if (mask[k] > 0.0f && r * r > limit + grain * grain) {
-            mask[k] = 0.0f;
-            n++;
+    for (i = 0; i < 4; i++) {
+        f[i] = s->basis[i * b->len + k];
+    }
+    plft_mat_vec(inverse, f, 4, pf);
+    for (i = 0; i < 4; i++) {
+        left -= f[i] * pf[i];
+        e -= f[i] * s->p[i];
+    }
+    if (!(left > 1e-3)) {
+        return -1;
+    }
+    for (i = 0; i < 4; i++) {
+        s->p[i] -= pf[i] * e / left;
+        for (j = 0; j < 4; j++) {
+            inverse[4 * i + j] += pf[i] * pf[j] / left;
         }
+    }
+    s->fit.count -= 1.0;
+    s->fit.sum -= f[1];
+    s->fit.squares -= f[1] * f[1];
+    s->own[k] = 0.0f;
+    return 0;
+}
+
+static int count_over(const float *error, int n, float limit)
+{
+    int k, over = 0;
+
+    for (k = 0; k < n; k++) {
+        over += error[k] > limit;
+    }
+    return over;
+}
+
+/* Take out the pixels whose squared residual is over `limit` and over what shot noise
+ * and the shape's error explain, GRAIN of the local height; how many. */
+static int drop_outliers(const plft_bank *b, search *s, float limit)
+{
+    const float grain = (float)GRAIN * (float)s->p[1];
+    int k, n = 0, left = count_over(s->error, b->len, limit);
+
+    for (k = 0; left > 0; k++) {
+        float height;
+        if (s->error[k] <= limit) {
+            continue;
+        }
+        left--;
+        height = grain * s->basis[b->len + k];
+        if (s->error[k] <= limit + height * height) {
+            continue;
+        }
+        if (s->mask != s->own) {
+            memcpy(s->own, s->mask, (size_t)b->len * sizeof *s->own);
+            s->mask = s->own;
+        }
+        if (take_out(b, s, k) != 0) {
+            break;
+        }
+        n++;
     }
     return n;
 }
 
-/* Refine p without outliers; returns the residual variance, *n the pixels kept. */
-static double robust(const plft_bank *b, const float *basis, const float *px,
-                     float *mask, double p[4], double cov[4], double *n)
+/* Refine s->p without outliers; returns the residual variance. */
+static double robust(const plft_bank *b, search *s)
 {
-    double worst, s2 = residual(b, basis, px, mask, p, &worst) / fmax(*n - 4.0, 1.0);
+    double s2 = variance(b, s);
     int round;
 
-    for (round = 0; round < 4 && worst > CUT * CUT * s2; round++) {
-        if (drop_outliers(b, basis, px, mask, p, CUT * CUT * s2) == 0 ||
-            solve_masked(b, basis, px, mask, p, cov) != 0) {
+    for (round = 0; round < 4; round++) {
+        if (drop_outliers(b, s, (float)(CUT * CUT * s2)) == 0) {
             break;
         }
-        *n = count(b, mask);
-        s2 = residual(b, basis, px, mask, p, &worst) / fmax(*n - 4.0, 1.0);
+        s2 = variance(b, s);
     }
     return s2;
 }
 
-static void describe(const plft_bank *b, const double p[4], const double cov[4],
-                     double s2, double n, float ref, plft_spot *spot)
+static void describe(const plft_bank *b, const search *s, double s2, plft_spot *spot)
 {
-    const double signal = p[1] * p[1] * cov[3];
+    const double gain = s->p[1], n = s->fit.count;
+    const double spread = s->fit.squares - s->fit.sum * s->fit.sum / n;
+    const double signal = gain * gain * spread;
+    const double var = fmax(s->fit.inverse[10], s->fit.inverse[15]);
 
-    spot->gain = (float)p[1];
-    spot->base = (float)p[0] + ref;
+    spot->gain = (float)gain;
+    spot->base = (float)s->p[0] + s->ref;
     spot->rms = (float)sqrt(s2);
-    spot->match = p[1] > 0.0 ? (float)sqrt(signal / (signal + s2 * n + 1e-9)) : 0.0f;
-    spot->sigma = (float)(sqrt(s2 * fmax(cov[1], cov[2])) / fmax(fabs(p[1]), 1e-9));
+    spot->match = gain > 0.0 ? (float)sqrt(signal / (signal + s2 * n + 1e-9)) : 0.0f;
+    spot->sigma = (float)(sqrt(s2 * var) / fmax(fabs(gain), 1e-9));
     spot->seen = (float)(n / b->count);
+    spot->clipped = (uint8_t)(s->clipped < 255 ? s->clipped : 255);
 }
-
-/* State of one search. */
-typedef struct search {
-    float *px, *mask, ref;
-    const float *basis;
-    double p[4], cov[4], n;
-    int clipped;
-} search;
 
 /* Nearest tabulated phase of a coordinate; *whole its pixel. */
 static int split(const plft_bank *b, double c, int *whole)
@@ -363,15 +444,12 @@ static int linear_step(const plft_bank *b, const plft_grey *g, plft_vec *c, sear
     c->x = cx + (double)kx / b->phases - 0.5;
     c->y = cy + (double)ky / b->phases - 0.5;
     s->basis = b->basis + 4u * at * (size_t)b->len;
-    if (read_window(b, g, cx, cy, s->px, s->mask, &s->ref, &s->clipped)) {
-        s->n = count(b, s->mask);
-        return s->n < 12.0 ? -1
-                           : solve_masked(b, s->basis, s->px, s->mask, s->p, s->cov);
+    read_window(b, g, cx, cy, s);
+    if (s->differs) {
+        return solve_masked(b, s);
     }
     four_sums(b, b->solve + 4u * at * (size_t)b->len, s->px, s->p);
-    memcpy(s->cov, b->cov + 4u * at, sizeof s->cov);
-    memcpy(s->mask, b->mask, (size_t)b->len * sizeof *s->mask);
-    s->n = b->count;
+    s->fit = b->fit[at];
     return 0;
 }
 
@@ -393,18 +471,17 @@ static double move(const search *s, plft_vec guess, double reach, plft_vec *c)
 }
 
 void plft_locate(const plft_bank *b, const plft_grey *g, plft_vec guess, double reach,
-                 float *pixels, plft_spot *spot)
+                 float *scratch, plft_spot *spot)
 {
     plft_vec c = guess, phase;
     search s;
-    double s2;
     int round;
 
     memset(spot, 0, sizeof *spot);
     memset(&s, 0, sizeof s);
-    memset(pixels, 0, 2u * (size_t)b->len * sizeof *pixels);
-    s.px = pixels;
-    s.mask = pixels + b->len;
+    s.px = scratch;
+    s.own = scratch + b->len;
+    s.error = scratch + 2 * b->len;
     spot->rms = HUGE_VALF;
     spot->x = guess.x;
     spot->y = guess.y;
@@ -418,9 +495,7 @@ void plft_locate(const plft_bank *b, const plft_grey *g, plft_vec guess, double 
             break;
         }
     }
-    s2 = robust(b, s.basis, s.px, s.mask, s.p, s.cov, &s.n);
-    describe(b, s.p, s.cov, s2, s.n, s.ref, spot);
-    spot->clipped = (uint8_t)(s.clipped < 255 ? s.clipped : 255);
+    describe(b, &s, robust(b, &s), spot);
     if (s.p[1] > 1e-6) {
         c = phase;
         move(&s, guess, reach, &c);

@@ -9,13 +9,19 @@
 
 #include "calib/shape.h"
 
+/* Normal equations of background, gain, gain * dx, gain * dy over a mask. */
+typedef struct plft_normal {
+    double inverse[16];         /* of the 4 x 4 matrix */
+    double count, sum, squares; /* pixels; sums of T and of T^2 */
+} plft_normal;
+
 typedef struct plft_bank {
     int half, n;          /* window: 2*half + 1 = n pixels on a side */
-    int len;              /* n*n rounded up to a multiple of 8 */
+    int stride, len;      /* of a window's rows; of a window, a multiple of 8 */
     int phases;           /* steps of 1/phases pixel from -0.5 to 0.5, both ends */
     double radius;        /* of the disc of pixels that count */
     float *solve, *basis; /* [(phases+1)^2][4][len]: pseudo-inverse; 1, T, -Tx, -Ty */
-    double *cov;          /* [(phases+1)^2][4]: variances of b, gx, gy; energy of T */
+    plft_normal *fit;     /* [(phases+1)^2] over the disc */
     float *mask;          /* [len] 1 inside the disc */
     double count;         /* pixels of the disc */
     double peak;          /* T at the centre minus its lowest value in the disc */
@@ -38,10 +44,12 @@ typedef struct plft_spot {
 int plft_bank_init(plft_bank *bank, const plft_shape *shape, double radius);
 void plft_bank_free(plft_bank *bank);
 
+enum { PLFT_LOCATE_SCRATCH = 3 };
+
 /* Find the spot near `guess`, at most `reach` pixels from it.  Pixels off the picture,
  * clipped, or off the model by 4 times the residual are left out.
- * `pixels` is scratch of 2 * bank->len floats. */
+ * `scratch` holds of PLFT_LOCATE_SCRATCH * bank->len floats. */
 void plft_locate(const plft_bank *bank, const plft_grey *grey, plft_vec guess,
-                 double reach, float *pixels, plft_spot *spot);
+                 double reach, float *scratch, plft_spot *spot);
 
 #endif

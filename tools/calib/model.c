@@ -39,18 +39,46 @@ static void terms(const plft_model *m, int i, int j, double f[K])
     f[10] = t * t * t;
 }
 
+static void row_of(const double c[K], double t, double odd, double out[4])
+{
+    out[0] = c[0] + odd * c[3] + t * (c[2] + t * (c[6] + t * c[10]));
+    out[1] = c[1] + t * (c[5] + t * c[9]);
+    out[2] = c[4] + t * c[8];
+    out[3] = c[7];
+}
+
+void plft_model_row(const plft_model *m, int j, plft_row *r)
+{
+    const int odd = m->kind == PLFX_LATTICE_HEX && j % 2 != 0;
+    const double t = (j - m->jc) / m->scale;
+
+    r->step = 1.0 / m->scale;
+    r->start = ((odd ? 0.5 : 0.0) - m->ic) * r->step;
+    row_of(m->cx, t, odd ? 0.5 : -0.5, r->x);
+    row_of(m->cy, t, odd ? 0.5 : -0.5, r->y);
+}
+
+static plft_vec along(const plft_row *r, int i)
+{
+    const double s = r->start + i * r->step;
+    plft_vec p;
+
+    p.x = r->x[0] + s * (r->x[1] + s * (r->x[2] + s * r->x[3]));
+    p.y = r->y[0] + s * (r->y[1] + s * (r->y[2] + s * r->y[3]));
+    return p;
+}
+
+plft_vec plft_row_at(const plft_row *r, int i)
+{
+    return along(r, i);
+}
+
 plft_vec plft_model_at(const plft_model *m, int i, int j)
 {
-    plft_vec p = {0.0, 0.0};
-    double f[K];
-    int k;
+    plft_row r;
 
-    terms(m, i, j, f);
-    for (k = 0; k < K; k++) {
-        p.x += m->cx[k] * f[k];
-        p.y += m->cy[k] * f[k];
-    }
-    return p;
+    plft_model_row(m, j, &r);
+    return along(&r, i);
 }
 
 double plft_model_sigma(const plft_model *m, int i, int j)
@@ -204,6 +232,8 @@ static double chi_square(const plft_model *m, const plft_field *f, double tau,
 
     *squares = *expected = 0.0;
     for (j = 0; j < f->ny; j++) {
+        plft_row row;
+        plft_model_row(m, f->j0 + j, &row);
         for (i = 0; i < f->nx; i++) {
             const plft_spot *s = &f->spot[j * f->nx + i];
             plft_vec p;
@@ -211,7 +241,7 @@ static double chi_square(const plft_model *m, const plft_field *f, double tau,
             if (!takes_part(m, s)) {
                 continue;
             }
-            p = plft_model_at(m, f->i0 + i, f->j0 + j);
+            p = along(&row, f->i0 + i);
             r2 = (s->x - p.x) * (s->x - p.x) + (s->y - p.y) * (s->y - p.y);
             chi += r2 * weight_of(s, tau);
             *squares += r2;
@@ -269,32 +299,47 @@ static int pick_terms(plft_model *m, const plft_field *f, const sums *s, double 
     return 0;
 }
 
+/* Squared distance of every spot from the model. */
+static void distances(const plft_model *m, const plft_field *f, double *d)
+{
+    int i, j;
+
+    for (j = 0; j < f->ny; j++) {
+        plft_row row;
+        plft_model_row(m, f->j0 + j, &row);
+        for (i = 0; i < f->nx; i++) {
+            const plft_spot *s = &f->spot[j * f->nx + i];
+            const plft_vec p = along(&row, f->i0 + i);
+            *d++ = (s->x - p.x) * (s->x - p.x) + (s->y - p.y) * (s->y - p.y);
+        }
+    }
+}
+
 /* Flag what is beyond cut robust deviations (1.48 medians of the distance ratio of a
  * plane normal law, 1.1774); returns how many flags changed. */
 static int flag_outliers(const plft_model *m, const plft_field *f, double cut)
 {
     const int n = f->nx * f->ny;
-    double *d = malloc((size_t)n * sizeof *d), limit;
+    double *d = malloc(2u * (size_t)n * sizeof *d), limit;
     int k, count = 0, changed = 0;
 
     if (d == NULL) {
         return 0;
     }
+    distances(m, f, d);
     for (k = 0; k < n; k++) {
-        const plft_spot *s = &f->spot[k];
-        plft_vec p = plft_model_at(m, f->i0 + k % f->nx, f->j0 + k / f->nx);
-        if (takes_part(m, s)) {
-            d[count++] = hypot(s->x - p.x, s->y - p.y);
+        if (takes_part(m, &f->spot[k])) {
+            d[n + count++] = d[k];
         }
     }
-    limit = cut * plft_median(d, count) / 1.1774;
-    free(d);
+    limit = cut * sqrt(plft_median(d + n, count)) / 1.1774;
     for (k = 0; k < n; k++) {
         plft_spot *s = &f->spot[k];
-        plft_vec p = plft_model_at(m, f->i0 + k % f->nx, f->j0 + k / f->nx);
         uint8_t flags = (uint8_t)(s->flags & ~PLFX_LENS_INTERP);
-        double own = cut * (double)s->sigma; /* a border lens may be worse than most */
-        if (hypot(s->x - p.x, s->y - p.y) > fmax(limit, own) + 1e-3) {
+        /* A border lens may be worse than most. */
+        const double own = cut * (double)s->sigma;
+        const double most = (own > limit ? own : limit) + 1e-3;
+        if (d[k] > most * most) {
             flags |= PLFX_LENS_INTERP;
         }
         if ((s->flags & PLFX_LENS_MISSING) == 0u && flags != s->flags) {
@@ -302,6 +347,7 @@ static int flag_outliers(const plft_model *m, const plft_field *f, double cut)
             changed++;
         }
     }
+    free(d);
     return changed;
 }
 

@@ -29,6 +29,14 @@ typedef struct plft_model {
 
 plft_vec plft_model_at(const plft_model *model, int i, int j);
 
+/* One row of the model: polynomials in s = start + i*step, for many lenses. */
+typedef struct plft_row {
+    double start, step, x[4], y[4];
+} plft_row;
+
+void plft_model_row(const plft_model *model, int j, plft_row *row);
+plft_vec plft_row_at(const plft_row *row, int i);
+
 /* 1-sigma of a modelled centre's coordinate at lens (i,j), px. */
 double plft_model_sigma(const plft_model *model, int i, int j);
 

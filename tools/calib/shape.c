@@ -325,31 +325,101 @@ int plft_shape_round(plft_shape *s, const plft_fold *f, double radius)
     return 0;
 }
 
-/* out += weight * B'(B x - data) of one phase bin; data NULL: zero.  All pixels of a
- * bin share the same spline weights. */
-static void normal_bin(const plft_shape *s, const plft_fold *f, size_t bin,
-                       double total, const double *x, const double *data, double *out)
+/* The normal matrix of the fit: half of it, a plane for each neighbour of a node, right
+ * of it in its row or in the three rows after. */
+#define ACROSS 7
+#define PLANES (4 + 3 * ACROSS)
+
+typedef struct normal {
+    const plft_shape *s;
+    double *plane; /* [PLANES][m][m] */
+    double *line;  /* [2][4][m] couplings along one axis, of one bin */
+} normal;
+
+/* Plane of the neighbour dx columns and dy rows on. */
+static double *plane_of(const normal *a, int dx, int dy)
 {
+    const int k = dy == 0 ? dx : 4 + (dy - 1) * ACROSS + dx + 3;
+    return a->plane + (size_t)k * (size_t)a->s->m * (size_t)a->s->m;
+}
+
+/* Couplings [4][m] of the nodes of one axis with themselves and the next three: sums
+ * over n pixels, the first one's nodes from i0 on with weights w. */
+static void couple(const plft_shape *s, int n, int i0, const double w[4], double *line)
+{
+    int q, i, d;
+
+    memset(line, 0, 4u * (size_t)s->m * sizeof *line);
+    for (q = 0; q < n; q++) {
+        for (d = 0; d < 4; d++) {
+            for (i = 0; i + d < 4; i++) {
+                line[d * s->m + i0 + q * s->per + i] += w[i] * w[i + d];
+            }
+        }
+    }
+}
+
+/* plane[j][i] += weight * y[j] * x[i - back] */
+static void outer(int m, double weight, const double *y, const double *x, int back,
+                  double *restrict plane)
+{
+    int i, j;
+
+    for (j = 0; j < m; j++) {
+        const double f = weight * y[j];
+        for (i = back; f > 0.0 && i < m; i++) {
+            plane[j * m + i] += f * x[i - back];
+        }
+    }
+}
+
+/* All pixels of a bin share the same spline weights, so its part of the matrix is a
+ * product of two lines. */
+static void add_bin(normal *a, const plft_fold *f, size_t bin, double total,
+                    double *rhs)
+{
+    const plft_shape *s = a->s;
     const double inv = 1.0 / f->weight[bin], weight = f->weight[bin] / total;
-    double tx, ty, wx[4], wy[4];
+    const double *data = f->sum + bin * (size_t)f->n * (size_t)f->n;
+    double tx, ty, wx[4], wy[4], *x = a->line, *y = a->line + 4 * s->m;
     const int i0 = node(s, -f->half - f->fx[bin] * inv, &tx);
     const int j0 = node(s, -f->half - f->fy[bin] * inv, &ty);
-    int qx, qy, i, j;
+    int qx, qy, dx, dy;
 
     spline(tx, wx);
     spline(ty, wy);
+    couple(s, f->n, i0, wx, x);
+    couple(s, f->n, j0, wy, y);
+    for (dy = 0; dy < 4; dy++) {
+        for (dx = dy == 0 ? 0 : -3; dx < 4; dx++) {
+            outer(s->m, weight, y + dy * s->m, x + abs(dx) * s->m, dx < 0 ? -dx : 0,
+                  plane_of(a, dx, dy));
+        }
+    }
     for (qy = 0; qy < f->n; qy++) {
         for (qx = 0; qx < f->n; qx++) {
-            const size_t at =
-                (size_t)(j0 + qy * s->per) * (size_t)s->m + (size_t)(i0 + qx * s->per);
-            double r = x != NULL ? blend(x + at, s->m, wx, wy) : 0.0;
-            r = weight * (r - (data != NULL ? data[qy * f->n + qx] * inv : 0.0));
-            for (j = 0; j < 4; j++) {
-                for (i = 0; i < 4; i++) {
-                    out[at + (size_t)(j * s->m + i)] += r * wy[j] * wx[i];
+            double *to = rhs + (j0 + qy * s->per) * s->m + i0 + qx * s->per;
+            const double v = weight * inv * data[qy * f->n + qx];
+            for (dy = 0; dy < 4; dy++) {
+                for (dx = 0; dx < 4; dx++) {
+                    to[dy * s->m + dx] += v * wy[dy] * wx[dx];
                 }
             }
         }
+    }
+}
+
+/* out[k] += a[k] x[k + shift], and the mirrored half; shift 0 has none. */
+static void couple_planes(const double *restrict a, const double *restrict x, int n,
+                          int shift, double *restrict out)
+{
+    int k;
+
+    for (k = 0; k < n - shift; k++) {
+        out[k] += a[k] * x[k + shift];
+    }
+    for (k = shift; shift > 0 && k < n; k++) {
+        out[k] += a[k - shift] * x[k - shift];
     }
 }
 
@@ -378,21 +448,19 @@ static void smooth(const plft_shape *s, const double *x, double *out)
     }
 }
 
-/* out = A x (data NULL) or -A'data ... the gradient of the fit at x. */
-static void gradient(const plft_shape *s, const plft_fold *f, double total,
-                     const double *x, int with_data, double *out)
+/* out = A x */
+static void multiply(const normal *a, const double *x, double *out)
 {
-    const size_t n = (size_t)f->n * (size_t)f->n;
-    const size_t bins = (size_t)f->phases * (size_t)f->phases;
-    size_t b;
+    const int m = a->s->m;
+    int dx, dy;
 
-    memset(out, 0, sizeof(double) * (size_t)s->m * (size_t)s->m);
-    for (b = 0; b < bins; b++) {
-        if (f->weight[b] > 0.0) {
-            normal_bin(s, f, b, total, x, with_data ? f->sum + b * n : NULL, out);
+    memset(out, 0, sizeof(double) * (size_t)m * (size_t)m);
+    for (dy = 0; dy < 4; dy++) {
+        for (dx = dy == 0 ? 0 : -3; dx < 4; dx++) {
+            couple_planes(plane_of(a, dx, dy), x, m * m, dy * m + dx, out);
         }
     }
-    smooth(s, x, out);
+    smooth(a->s, x, out);
 }
 
 static double dot(const double *a, const double *b, int n)
@@ -406,28 +474,26 @@ static double dot(const double *a, const double *b, int n)
     return s;
 }
 
-/* Conjugate gradients from the coefficients at hand. */
-static int solve(plft_shape *s, const plft_fold *f, double total)
+/* Conjugate gradients from the coefficients at hand; r, p, q are scratch, r holds the
+ * right-hand side. */
+static void descend(plft_shape *s, const normal *a, double *r, double *p, double *q)
 {
     const int n = s->m * s->m;
-    double *r = malloc(3u * (size_t)n * sizeof *r), *p, *q, rr, stop;
+    double rr, stop;
     int step, k;
 
-    if (r == NULL) {
-        return -1;
+    multiply(a, s->c, q);
+    for (k = 0; k < n; k++) {
+        p[k] = r[k] -= q[k];
     }
-    p = r + n;
-    q = p + n;
-    gradient(s, f, total, s->c, 1, r);
-    memcpy(p, r, (size_t)n * sizeof *p);
     rr = dot(r, r, n);
     stop = 1e-18 * rr;
     for (step = 0; step < STEPS && rr > stop; step++) {
         double alpha, next;
-        gradient(s, f, total, p, 0, q);
+        multiply(a, p, q);
         alpha = rr / dot(p, q, n);
         for (k = 0; k < n; k++) {
-            s->c[k] -= alpha * p[k];
+            s->c[k] += alpha * p[k];
             r[k] -= alpha * q[k];
         }
         next = dot(r, r, n);
@@ -436,6 +502,27 @@ static int solve(plft_shape *s, const plft_fold *f, double total)
         }
         rr = next;
     }
+}
+
+static int solve(plft_shape *s, const plft_fold *f, double total)
+{
+    const size_t n = (size_t)s->m * (size_t)s->m;
+    const size_t bins = (size_t)f->phases * (size_t)f->phases;
+    normal a = {s, NULL, NULL};
+    double *r = calloc((PLANES + 3u) * n + 8u * (size_t)s->m, sizeof *r);
+    size_t b;
+
+    if (r == NULL) {
+        return -1;
+    }
+    a.plane = r + 3u * n;
+    a.line = a.plane + PLANES * n;
+    for (b = 0; b < bins; b++) {
+        if (f->weight[b] > 0.0) {
+            add_bin(&a, f, b, total, r);
+        }
+    }
+    descend(s, &a, r, r + n, r + 2u * n);
     free(r);
     return 0;
 }
