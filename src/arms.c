@@ -94,12 +94,13 @@ static const uint16_t *source_row(const plfx_frame_state *s, int32_t k,
                                   const plfx_shift *shift, int32_t y, int32_t r,
                                   int32_t fresh, uint16_t *buffer)
 {
-    const uint16_t *row = plfx_frame_row(s, k, plfx_clamp_i32(r, 0, s->ny - 1));
+    int32_t from = plfx_clamp_i32(r, 0, s->ny - 1);
+    const uint16_t *row = plfx_frame_row(s, k, from);
     int32_t q4 = 16 * shift->kx + shift->fx_q4;
     int32_t f;
 
     if (s->plan->hex) {
-        q4 += ((y & 1) - (r & 1)) * s->plan->odd_q4;
+        q4 += ((y & 1) - (from & 1)) * s->plan->odd_q4;
     }
     f = q4 & 15;
     row += plfx_asr_i32(q4 - f, 4);

@@ -120,7 +120,7 @@ static int32_t arms_fit(const plfx_frame_state *s)
             return 0;
         }
     }
-    return s->arms > 0 && s->base_q8 > 0;
+    return 1;
 }
 
 /* Mean of an arm times 2^up, so that the box fits 15 bits: mul in [2^14, 2^15]. */
@@ -232,7 +232,7 @@ plfx_status plfx_frame_derive(plfx_frame_state *s, const plfx_plan *plan,
     s->pad = plan->reach_x + 4;
     s->stride = (s->nx + 2 * s->pad + 15) & ~15;
     derive_arms(s, skip);
-    if (s->arms == 0 || s->base_q8 == 0) {
+    if (s->base_q8 == 0) { /* as it is without arms */
         return PLFX_E_ARG;
     }
     if (!arms_fit(s)) {

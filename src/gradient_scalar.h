@@ -26,7 +26,7 @@ static inline int32_t plfx_ratio_q16(int64_t num, int64_t den, int64_t du_q8)
         den = plfx_asr_i64(den, over);
     }
     limit = den * 4096; /* |slope * du_q8| beyond 16 * 256: saturated below */
-    num = num > limit ? limit : num < -limit ? -limit : num;
+    num = plfx_clamp_i64(num, -limit, limit);
     if (du_q8 < 0) {
         num = -num;
         du_q8 = -du_q8;

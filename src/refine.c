@@ -378,7 +378,7 @@ static int32_t step_of(const plfx_frame_state *s, const plfx_solution *v, int64_
     int32_t most = s->cfg.clamp_q8 * 256;
     int64_t d = plfx_div_round_i64(b, v->a + v->lambda);
 
-    return (int32_t)(d > most ? most : d < -most ? -most : d);
+    return (int32_t)plfx_clamp_i64(d, -most, most);
 }
 
 static void finish_pixel(const plfx_frame_state *s, const scratch *t, const int32_t *in,

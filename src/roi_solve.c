@@ -310,7 +310,8 @@ static uint32_t sigma(const plfx_roi_patch *p, int32_t k, const leftover *left,
 
     s = s < (uint64_t)1 << 43 ? s : (uint64_t)1 << 43;
     s = (s << 20) / (uint64_t)(gain_q20 > 1 << 14 ? gain_q20 : 1 << 14) + 1u;
-    return (uint32_t)(s < 0x7fffffffu ? s : 0x7fffffffu);
+    s = s < 0x7fffffffu ? s : 0x7fffffffu;
+    return (uint32_t)s;
 }
 
 /* Whole columns or rows nearest to d. */

@@ -110,9 +110,7 @@ static inline int32_t plfx_vertex_q4(uint32_t a, uint32_t b, int32_t vee)
     }
     num = a > b ? a - b : b - a;
     den = vee ? (a > b ? a : b) : a + b;
-    if (den == 0) {
-        return 0;
-    }
+    den = den > 1u ? den : 1u; /* no rise at all: 0 */
     f = (int32_t)((plfx_divide(num, den, 4) + 1u) >> 1);
     return b > a ? f : -f;
 }
@@ -126,7 +124,7 @@ static inline uint32_t plfx_margin_u16(uint32_t best, uint32_t second,
     uint32_t den = (second + floor_cost) >> 2;
     uint32_t q;
 
-    if (num == 0 || den == 0) {
+    if (num == 0) { /* as it is when den is */
         return 0;
     }
     q = plfx_divide(num, den, 8);

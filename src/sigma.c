@@ -23,7 +23,7 @@ static int32_t score_of(const plfx_sums *q, int32_t d, int32_t step)
 {
     int64_t t = plfx_asr_i64(q->a * (d - step) - q->b * 16384, 18);
 
-    return (int32_t)(t > SCORE_MAX ? SCORE_MAX : t < -SCORE_MAX ? -SCORE_MAX : t);
+    return (int32_t)plfx_clamp_i64(t, -SCORE_MAX, SCORE_MAX);
 }
 
 /* Scores of the window in the middle of a grid that is two wider on every side; each
@@ -98,7 +98,8 @@ static uint64_t variance(const plfx_frame_state *s, const plfx_refine_work *t,
 
 static uint32_t cut_u32(uint64_t v)
 {
-    return v < UINT32_MAX ? (uint32_t)v : UINT32_MAX;
+    v = v < UINT32_MAX ? v : UINT32_MAX;
+    return (uint32_t)v;
 }
 
 void plfx_sigma_pixel(const plfx_frame_state *s, const plfx_refine_work *t,
@@ -119,10 +120,11 @@ void plfx_sigma_pixel(const plfx_frame_state *s, const plfx_refine_work *t,
     /* sqrt(samples A / arms) / (A + lambda), columns a count, q20 */
     root = plfx_isqrt_u64((uint64_t)v->samples * (uint64_t)v->a / (uint32_t)s->arms);
     root = (root << 22) / norm;
-    s->lever[at] = (uint32_t)(root < LEVER_MAX ? root : LEVER_MAX);
+    root = root < LEVER_MAX ? root : LEVER_MAX;
+    s->lever[at] = (uint32_t)root;
 }
 
-/* Exponent and five bits; under 32 no misfit lies. */
+/* Exponent and five bits; no misfit lies under 819 (refine.c). */
 static uint32_t bin_of(uint32_t v)
 {
     uint32_t e = 0;
@@ -130,14 +132,14 @@ static uint32_t bin_of(uint32_t v)
     while (v >> e > 1u) { /* at most 31 times */
         e++;
     }
-    return e < 5u ? 0u : (e << 5) | ((v >> (e - 5u)) & 31u);
+    return (e << 5) | ((v >> (e - 5u)) & 31u);
 }
 
 /* Middle of the misfits, q8: 2 % fine. */
 static uint32_t usual_misfit(const plfx_frame_state *s, const plfx_refine_work *t)
 {
     size_t n = (size_t)s->nx * (size_t)s->ny;
-    size_t seen;
+    size_t seen = 0;
     uint32_t k = 0;
     size_t i;
 
@@ -145,11 +147,12 @@ static uint32_t usual_misfit(const plfx_frame_state *s, const plfx_refine_work *
     for (i = 0; i < n; i++) {
         t->bin[bin_of(s->misfit[i])]++;
     }
-    for (seen = t->bin[0]; 2 * seen < n && k < PLFX_MISFIT_BINS - 1;
-         seen += t->bin[k]) {
+    while (2 * seen < n) { /* at most PLFX_MISFIT_BINS: they hold n */
+        seen += t->bin[k];
         k++;
     }
-    return k < 160u ? 0u : (32u | (k & 31u)) << ((k >> 5) - 5u);
+    k--;
+    return (32u | (k & 31u)) << ((k >> 5) - 5u);
 }
 
 /* What chance gives: two standard errors above: half of a residual's square is

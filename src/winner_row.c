@@ -55,11 +55,8 @@ static void find_second(const int16_t *sum, int32_t labels, int32_t step, chunk 
  */
 static int32_t vee_q4(int32_t a, int32_t b, int32_t c)
 {
-    int32_t rise = plfx_max_i32(a, c) - b;
+    int32_t rise = plfx_max_i32(a, c) - b; /* b is the first of the least: a > b */
 
-    if (rise <= 0) {
-        return 0;
-    }
     return plfx_clamp_i32((int32_t)plfx_div_round_i64(8 * (a - c), rise), -8, 8);
 }
 

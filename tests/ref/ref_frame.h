@@ -28,10 +28,13 @@ static inline int ref_warped(const plfx_frame_state *s, int k, plfx_shift t, int
     int j;
 
     for (j = 0; j < 2; j++) {
-        int yy = y + t.ky + j;
-        int a = ref_sample(s, k, x + t.kx, yy);
-        int b = ref_sample(s, k, x + t.kx + 1, yy);
-        h[j] = (a * (16 - t.fx_q4) + b * t.fx_q4 + 8) / 16;
+        int yy = ref_clamp(y + t.ky + j, 0, s->ny - 1);
+        int q4 = 16 * t.kx + t.fx_q4 +
+                 (s->plan->hex ? s->plan->odd_q4 * ((y & 1) - (yy & 1)) : 0);
+        int f = q4 & 15;
+        int a = ref_sample(s, k, x + (q4 - f) / 16, yy);
+        int b = ref_sample(s, k, x + (q4 - f) / 16 + 1, yy);
+        h[j] = (a * (16 - f) + b * f + 8) / 16;
     }
     return (h[0] * (16 - t.fy_q4) + h[1] * t.fy_q4 + 8) / 16;
 }
