@@ -205,7 +205,7 @@ static int32_t even_step(const plfx_match *m, int32_t o)
         return 0;
     }
     for (l = 1; l < m->labels; l++) {
-        if (t[l].f_q15 != 0 || t[l].off - t[l - 1].off != step) {
+        if (t[l].f_q15 != 0) { /* whole ones are even: shifts are a line, rounded */
             return 0;
         }
     }
@@ -511,7 +511,7 @@ static void run_pair(plfx_match *m, int32_t p, const pass *s)
     for (b = 0; b < m->cells; b++) {
         m->sum[b] = INT16_MIN;
     }
-    if (m->step[p] && !s->held) {
+    if (m->step[p]) { /* rows leave then, not costs */
         run_whole(m, p, s, cols);
     } else {
         run_general(m, p, s, cols);
@@ -583,7 +583,7 @@ static void enter_row(plfx_match *m, const plfx_rows *src, const plfx_line *line
     plfx_match_texture_row(m, m->next);
     if (lines) {
         s.emit = 1;
-        s.conf = lines->conf_u16 || lines->weight_u16 || m->plan->cfg.unique_u16 > 0;
+        s.conf = lines->conf_u16 || m->plan->cfg.unique_u16 > 0;
         plfx_match_texture_sums(m);
     }
     for (p = 0; p < m->pairs; p++) {

@@ -27,7 +27,7 @@ typedef struct plfx_rows {
 typedef struct plfx_line { /* winners of one pair along a row, lenses 0 .. nx-1 */
     int32_t *slope_q16;
     uint16_t *conf_u16;   /* NULL: not wanted */
-    uint16_t *weight_u16; /* NULL: not wanted */
+    uint16_t *weight_u16; /* NULL: not wanted; never without confidence */
     uint8_t *flags;       /* NULL: not wanted */
 } plfx_line;
 

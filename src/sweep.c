@@ -96,7 +96,7 @@ static void carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a)
 {
     size_t nx = (size_t)plan->nx;
     size_t labels = plan->cfg.labels;
-    size_t pairs = plan->cfg.method == PLFX_METHOD_PAIRS ? plan->cfg.n - 1u : 1u;
+    size_t pairs = plan->cfg.n - 1u; /* correlation is of pairs alone */
 
     s->plan = plan;
     s->pairs = (int32_t)pairs;
@@ -134,37 +134,20 @@ size_t plfx_sweep_ws(const plfx_plan *plan)
     return a.used;
 }
 
-static void meet(plfx_span *to, plfx_span with)
-{
-    to->x0 = (int16_t)plfx_max_i32(to->x0, with.x0);
-    to->x1 = (int16_t)plfx_min_i32(to->x1, with.x1);
-    to->y0 = (int16_t)plfx_max_i32(to->y0, with.y0);
-    to->y1 = (int16_t)plfx_min_i32(to->y1, with.y1);
-}
-
-/* Spans of every pair and label: in a sweep those of all views meet. */
+/* Spans of every pair and label. */
 static void fill_spans(const plfx_sweep_state *s)
 {
     const plfx_plan *plan = s->plan;
     int32_t labels = plan->cfg.labels;
-    int32_t per_pair = (plan->cfg.n - 1) / s->pairs;
     int32_t r = plan->cfg.window / 2;
     int32_t p;
     int32_t l;
-    int32_t k;
 
     for (p = 0; p < s->pairs; p++) {
+        int32_t view = plfx_pair_view(plan, p);
         for (l = 0; l < labels; l++) {
-            plfx_span *to = s->span + p * labels + l;
-            for (k = 0; k < per_pair; k++) {
-                int32_t view = plfx_pair_view(plan, p + k);
-                plfx_span one = plfx_span_of(plan, plfx_plan_shift(plan, view, l), r);
-                if (k == 0) {
-                    *to = one;
-                } else {
-                    meet(to, one);
-                }
-            }
+            s->span[p * labels + l] =
+                plfx_span_of(plan, plfx_plan_shift(plan, view, l), r);
         }
     }
 }

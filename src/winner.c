@@ -19,7 +19,8 @@ typedef struct judged {
     uint16_t conf, weight;
 } judged;
 
-/* Costs 1 - r in Q15 with a floor of 1/64; weight = r. */
+/* Costs 1 - r in Q15 with a floor of 1/64; weight = r.  Sums of differences are judged
+ * in match_judge.c. */
 static judged judge_zncc(const plfx_winner *w, uint32_t g)
 {
     int32_t r1 = plfx_correlation_q15(w->best, g);
@@ -34,15 +35,6 @@ static judged judge_zncc(const plfx_winner *w, uint32_t g)
     return j;
 }
 
-static judged judge_sad(const plfx_winner *w, uint32_t floor_cost)
-{
-    judged j;
-
-    j.conf = (uint16_t)plfx_margin_u16(w->best, w->second, floor_cost);
-    j.weight = j.conf;
-    return j;
-}
-
 static int32_t outside(const plfx_span *s, int32_t x, int32_t y)
 {
     return x < s->x0 || x > s->x1 || y < s->y0 || y > s->y1;
@@ -54,7 +46,7 @@ static int32_t flat(const plfx_sweep_state *s, int32_t x)
     uint32_t w = s->plan->cfg.window;
     int32_t low = 16u * s->tex[x] < s->plan->cfg.texture * w * w;
 
-    return low || (s->plan->cfg.cost == PLFX_COST_ZNCC && s->a_rsqrt[x].g == 0);
+    return low || s->a_rsqrt[x].g == 0;
 }
 
 /* Tests that turn a winner into NONE; 0 when it stands. */
@@ -87,14 +79,12 @@ static plfx_winner raced(const plfx_sweep_state *s, int32_t x)
     return w;
 }
 
-static void winner_at(const plfx_sweep_state *s, int32_t p, int32_t x, int32_t y,
-                      uint32_t floor_cost)
+static void winner_at(const plfx_sweep_state *s, int32_t p, int32_t x, int32_t y)
 {
     const plfx_plan *plan = s->plan;
     plfx_winner w = raced(s, x);
     const plfx_span *span = s->span + p * plan->cfg.labels + w.label;
-    judged j = plan->cfg.cost == PLFX_COST_ZNCC ? judge_zncc(&w, s->a_rsqrt[x].g)
-                                                : judge_sad(&w, floor_cost);
+    judged j = judge_zncc(&w, s->a_rsqrt[x].g);
     uint32_t refused = refusals(s, &w, span, j.conf, x, y);
     size_t at = (size_t)p * (size_t)plan->nx + (size_t)x;
 
@@ -107,13 +97,12 @@ static void winner_at(const plfx_sweep_state *s, int32_t p, int32_t x, int32_t y
 
 void plfx_pair_winners(const plfx_sweep_state *s, int32_t p, int32_t y)
 {
-    uint32_t floor_cost = plfx_sad_floor(s->plan);
     int32_t r = s->plan->cfg.window / 2;
     int32_t x;
 
     plfx_race_row(s);
     for (x = r; x < s->plan->nx - r; x++) {
-        winner_at(s, p, x, y, floor_cost);
+        winner_at(s, p, x, y);
     }
 }
 
@@ -123,7 +112,7 @@ uint16_t plfx_baseline_weight(const plfx_plan *plan, int32_t view)
     int64_t v = plan->dv_q8[view];
     int64_t b = plfx_asr_i64(u * u + v * v, 10);
 
-    return (uint16_t)(b > 65535 ? 65535 : b < 1 ? 1 : b);
+    return (uint16_t)plfx_clamp_i64(b, 1, 65535);
 }
 
 /* Pairs whose slope lies more than two labels from the fused one. */

@@ -142,10 +142,9 @@ static void lay(plfx_zncc_lanes *z, const uint16_t *row, int32_t from, int32_t n
     for (i = 0; i < first; i++) {
         z->line[i] = (int16_t)row[0];
     }
-    if (end > first) {
-        memcpy(z->line + first, row + first + from,
-               (size_t)(end - first) * sizeof(int16_t));
-    }
+    /* no shift reaches a whole row: end > first */
+    memcpy(z->line + first, row + first + from,
+           (size_t)(end - first) * sizeof(int16_t));
     for (i = end; i < wide; i++) {
         z->line[i] = (int16_t)row[nx - 1];
     }
@@ -512,7 +511,7 @@ void plfx_zncc_lanes_row(const plfx_sweep_state *s, int32_t y, int32_t gone,
     }
     if (t.emit) {
         z->a_low = rate(s, &z->a, col, z->blocks);
-        t.rated = lines->conf_u16 || lines->weight_u16 || z->plan->cfg.unique_u16 > 0;
+        t.rated = lines->conf_u16 || z->plan->cfg.unique_u16 > 0;
     }
     for (p = 0; p < z->pairs; p++) {
         run_pair(s, p, y, gone, &t);

@@ -141,13 +141,20 @@ static void heads_to_write(void **state)
 
 static void opened_by_hand(void **state)
 {
+    static plfx_packet_region record[1];
     plfx_packet p = {{1, 2, 3, 4, PLFX_PACKET_MODES}, NULL, 32, 54};
     plfx_packet_mode mode;
     plfx_packet_health health;
+    plfx_packet_regions info;
     int32_t n;
 
     (void)state;
     assert_int_equal(plfx_packet_get_modes(&p, &mode, 1, &n), ARG);
+    p.payload = bytes;
+    assert_int_equal(plfx_packet_get_regions(&p, &info, record, 1), ARG);
+    p.payload = NULL;
+    p.head.kind = PLFX_PACKET_REGIONS;
+    assert_int_equal(plfx_packet_get_regions(&p, &info, record, 1), ARG);
     p.head.kind = PLFX_PACKET_HEALTH;
     assert_int_equal(plfx_packet_get_health(&p, &health), ARG);
 }

@@ -73,6 +73,7 @@ static void fits(void **state)
 static void ends_and_ties(void **state)
 {
     uint16_t rising[4] = {1, 5, 9, 9};
+    uint16_t falling[4] = {9, 9, 5, 1};
     uint16_t flat[4] = {7, 7, 7, 7};
     uint16_t three[3] = {7, 2, 7};
     plfx_winner w = plfx_select(rising, 4, 1, PLFX_FIT_VEE);
@@ -81,6 +82,10 @@ static void ends_and_ties(void **state)
     assert_int_equal(w.end, 1);
     assert_int_equal(w.frac_q4, 0);
     assert_int_equal(w.tie, 0);
+    w = plfx_select(falling, 4, 1, PLFX_FIT_VEE);
+    assert_int_equal(w.label, 3);
+    assert_int_equal(w.end, 1);
+    assert_int_equal(w.frac_q4, 0);
     w = plfx_select(flat, 4, 1, PLFX_FIT_VEE);
     assert_int_equal(w.label, 0);
     assert_int_equal(w.tie, 1);
@@ -115,6 +120,34 @@ static void margins(void **state)
     assert_int_equal(plfx_margin_u16(0, 0, 0), 0);
 }
 
+/* No rise at all is no fraction; a vertex by one side. */
+static void vertices(void **state)
+{
+    (void)state;
+    assert_int_equal(plfx_vertex_q4(0, 0, PLFX_FIT_PARABOLA), 0);
+    assert_int_equal(plfx_vertex_q4(0, 0, PLFX_FIT_VEE), 0);
+    assert_int_equal(plfx_vertex_q4(0, 9, PLFX_FIT_VEE), 8);
+    assert_int_equal(plfx_vertex_q4(65535, 0, PLFX_FIT_PARABOLA), -8);
+}
+
+/* Baselines squared in 1/64 px^2 are held within 16 bits, from 1 on. */
+static void weights_of_baselines(void **state)
+{
+    static plfx_plan plan;
+
+    (void)state;
+    plan.du_q8[0] = 256;
+    plan.dv_q8[0] = -256;
+    plan.du_q8[1] = 1;
+    plan.dv_q8[2] = -8192;
+    plan.du_q8[3] = 65535;
+    plan.dv_q8[3] = 65535;
+    assert_int_equal(plfx_baseline_weight(&plan, 0), 128);
+    assert_int_equal(plfx_baseline_weight(&plan, 1), 1);
+    assert_int_equal(plfx_baseline_weight(&plan, 2), 65535);
+    assert_int_equal(plfx_baseline_weight(&plan, 3), 65535);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(shifts_are_floors),
     cmocka_unit_test(roots),
@@ -122,6 +155,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(ends_and_ties),
     cmocka_unit_test(extremes),
     cmocka_unit_test(margins),
+    cmocka_unit_test(vertices),
+    cmocka_unit_test(weights_of_baselines),
 };
 
 SUITE(tests)
