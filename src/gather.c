@@ -189,7 +189,7 @@ void plfx_gather_taps(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row *
     uint16_t *to = g->rows + (size_t)(slot * g->n) * (size_t)nx;
     int32_t i;
 
-    if (y < g->lo[slot] || y > g->hi[slot]) {
+    if (y < g->lo[slot]) { /* a row is closed before y goes beyond it */
         return;
     }
     if (g->lanes) {

@@ -338,6 +338,58 @@ static void grid_equals_single_views(void **state)
     }
 }
 
+/* Views side by side that leave the sensor to the left, to the right, above and below:
+ * the border's pixels repeat, as for each view on its own. */
+static void runs_off_each_side(void **state)
+{
+    static const int16_t from[5][2] = {{-24, 0}, {50, 0}, {0, -28}, {0, 36}, {0, 0}};
+    static uint16_t picture[WIDE * TALL], at_once[MANY * 4 * 6], single[MANY * 4 * 6];
+    plfx_lut lut = open_wide(0, 12);
+    plfx_raw raw = {
+        (const uint8_t *)picture, sizeof picture, PLFX_RAW_U16, 12, WIDE, TALL};
+    plfx_views a = {at_once, MANY, 4, 6};
+    plfx_views b = {single, MANY, 4, 6};
+    plfx_tone tone = plfx_tone_unity(12);
+    ref_rng rng = {77};
+
+    (void)state;
+    for (size_t i = 0; i < WIDE * TALL; i++) {
+        picture[i] = (uint16_t)ref_range(&rng, 0, 4095);
+    }
+    for (int32_t side = 0; side < 5; side++) {
+        plfx_offset at[6];
+        for (int32_t k = 0; k < 6; k++) {
+            at[k].u_q8 = (int16_t)(256 * (from[side][0] + k) + 77);
+            at[k].v_q8 = (int16_t)(256 * from[side][1] - 33);
+        }
+        assert_int_equal(plfx_view_all(&lut, &raw, &tone, at, 0, &a), PLFX_OK);
+        for (int32_t k = 0; k < 6; k++) {
+            assert_int_equal(plfx_view_rows(&lut, &raw, &tone, at[k], 0, 0, 4, &b, k),
+                             PLFX_OK);
+        }
+        assert_memory_equal(at_once, single, sizeof single);
+    }
+}
+
+static void white_without_gains_is_one(void **state)
+{
+    static uint16_t plain[NX * NY];
+    plfx_lut lut = open_table(12, 1, 0);
+    plfx_raw raw = raw_of(12);
+    plfx_views v = {samples, NX, NY, 1};
+    plfx_tone tone = plfx_tone_unity(12);
+    plfx_offset at = {100, 50};
+
+    (void)state;
+    for (size_t i = 0; i < W * H; i++) {
+        frame[i] = (uint16_t)(i * 2654435761u >> 20 & 4095u);
+    }
+    assert_int_equal(plfx_view_all(&lut, &raw, &tone, &at, 0, &v), PLFX_OK);
+    memcpy(plain, samples, sizeof plain);
+    assert_int_equal(plfx_view_all(&lut, &raw, &tone, &at, 1, &v), PLFX_OK);
+    assert_memory_equal(samples, plain, sizeof plain);
+}
+
 static void bad_arguments(void **state)
 {
     plfx_lut lut = open_table(12, 0, 0);
@@ -417,6 +469,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(missing_lens_takes_its_neighbours),
     cmocka_unit_test(formats_agree),
     cmocka_unit_test(grid_equals_single_views),
+    cmocka_unit_test(runs_off_each_side),
+    cmocka_unit_test(white_without_gains_is_one),
     cmocka_unit_test(bad_arguments),
 };
 
