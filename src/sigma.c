@@ -17,6 +17,7 @@
 #define MISFIT_TOP ((uint64_t)1 << 24) /* by A >> 8 under 2^63 */
 #define LEVER_MAX  ((uint64_t)1 << 24)
 #define RIVAL_CONF 39322u /* 0.6 */
+#define BIN_LEAST  160u   /* of a misfit of 32 */
 
 /* A (e(q) - e(p) - step) - B in columns, q2. */
 static int32_t score_of(const plfx_sums *q, int32_t d, int32_t step)
@@ -139,19 +140,19 @@ static uint32_t bin_of(uint32_t v)
 static uint32_t usual_misfit(const plfx_frame_state *s, const plfx_refine_work *t)
 {
     size_t n = (size_t)s->nx * (size_t)s->ny;
-    size_t seen = 0;
-    uint32_t k = 0;
+    uint32_t k = BIN_LEAST;
+    size_t seen;
     size_t i;
 
     memset(t->bin, 0, PLFX_MISFIT_BINS * sizeof *t->bin);
     for (i = 0; i < n; i++) {
         t->bin[bin_of(s->misfit[i])]++;
     }
+    seen = t->bin[k];
     while (2 * seen < n) { /* at most PLFX_MISFIT_BINS: they hold n */
-        seen += t->bin[k];
         k++;
+        seen += t->bin[k];
     }
-    k--;
     return (32u | (k & 31u)) << ((k >> 5) - 5u);
 }
 
