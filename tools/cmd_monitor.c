@@ -25,7 +25,7 @@
 
 #define FRAMES_MAX 100000
 #define MODES_MAX  8
-#define NATS_Q8    2304 /* evidence of a watch at which to alarm */
+#define NATS_Q8    2816 /* evidence of a watch at which to alarm */
 #define ONE        16777216.0
 
 typedef struct request {

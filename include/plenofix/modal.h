@@ -122,7 +122,8 @@ plfx_status plfx_modal_alarm(const plfx_modal *m, int32_t limit_ppm, int32_t nsi
  * and the sum starts anew at 0.  sigma^2 is the mean innovation of the record's blocks:
  * excitation that rises within a record reads as evidence, so let blocks be as short as
  * gusts are long.  Noise of measurement only lowers the evidence.
- * nats_q8/256: 9 gives about one false alarm in eight hours at healthy_ppm.
+ * nats_q8/256: 9 gives about one false alarm in eight hours at healthy_ppm, 11 one in
+ * forty, 12 one in a hundred.
  * The mean delay after a step to limit_ppm is about nats/r seconds with
  * r = 2*pi*f*(healthy - limit)^2/(2*limit), and no test with as few false alarms is
  * faster (Lorden 1971): tests/bench/modal_alarm.c. */
