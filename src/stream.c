@@ -152,7 +152,7 @@ static int32_t fits(const plfx_gather *g, int32_t open, int32_t ny)
         hi = s.hi;
         if (j + open < ny) {
             plfx_rows_span next = plfx_gather_span(g, j + open);
-            if (next.lo <= s.hi && next.hi >= next.lo) {
+            if (next.lo <= s.hi) { /* never of a row without lenses */
                 return 0;
             }
         }
@@ -281,14 +281,10 @@ static void close_row(plfx_stream *s)
 static void close_rows(plfx_stream *s)
 {
     state *t = s->state;
-    int32_t n = t->open_end - t->whole_end;
-    int32_t i;
 
-    for (i = 0; i < n + PLFX_STREAM_OPEN_MAX; i++) {
-        if (s->ready > s->j || t->whole_end >= t->open_end ||
-            t->gather.hi[t->whole_end % t->gather.open] >= s->y) {
-            return;
-        }
+    /* at most as many as there are lens rows */
+    while (s->ready <= s->j && t->whole_end < t->open_end &&
+           t->gather.hi[t->whole_end % t->gather.open] < s->y) {
         close_row(s);
     }
 }
