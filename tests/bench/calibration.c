@@ -246,39 +246,58 @@ static void range(void)
     }
 }
 
+/* One at a time, on spots of one kind. */
+static void one_by_one(draw_spot spot, int hex, double rotation)
+{
+    const limits l = {0.05, 0.05, 0.0, 0.0};
+    draw_spec s = plain;
+
+    s.spot = spot;
+    s.hex = hex;
+    s.rotation = rotation;
+    s.barrel = 0.001;
+    one(&s, &l);
+    s.barrel = 0.0;
+    s.dead = 0.02;
+    one(&s, &l);
+    s.dead = 0.0;
+    s.hot = 0.01;
+    one(&s, &l);
+    s.hot = 0.0;
+    s.gradient = 3.0;
+    one(&s, &l);
+    s.gradient = 1.0;
+    s.black = 0.2;
+    one(&s, &l);
+    s.black = 0.0;
+    s.level = 0.25;
+    one(&s, &l);
+}
+
 static void stress(void)
 {
     const limits l = {0.05, 0.05, 0.0, 0.0};
     draw_spec s = plain;
-    int hex;
+    int spot, hex;
 
-    head("barrel 0.1 %, 2 % dead, 1 % hot, defocused, 3:1 light, 20 % black, 6 bits of "
-         "contrast: one by one, then all");
+    head("barrel 0.1 %, 2 % dead, 1 % hot, 3:1 light, 20 % black, 6 bits of contrast, "
+         "one "
+         "by one: turned, then every lens of a row at one phase");
+    for (spot = DRAW_DOTS; spot <= DRAW_FLAT; spot++) {
+        for (hex = 0; hex < 2; hex++) {
+            one_by_one((draw_spot)spot, hex, 0.2);
+            one_by_one((draw_spot)spot, hex, 0.0);
+        }
+    }
+    head("defocused; all at once");
     for (hex = 0; hex < 2; hex++) {
         s = plain;
         s.hex = hex;
         s.rotation = 0.2;
-        s.barrel = 0.001;
-        one(&s, &l);
-        s.barrel = 0.0;
-        s.dead = 0.02;
-        one(&s, &l);
-        s.dead = 0.0;
-        s.hot = 0.01;
-        one(&s, &l);
-        s.hot = 0.0;
         s.sigma = 3.2;
         one(&s, &l);
-        s.sigma = 1.6;
-        s.gradient = 3.0;
-        one(&s, &l);
-        s.gradient = 1.0;
-        s.black = 0.2;
-        one(&s, &l);
-        s.black = 0.0;
-        s.level = 0.25;
-        one(&s, &l);
         s.sigma = 2.4;
+        s.level = 0.25;
         s.barrel = 0.001;
         s.dead = 0.02;
         s.hot = 0.01;

@@ -178,13 +178,16 @@ static void fold_block(const work *w, block b, int all, plft_fold *fold)
         const int step = usable / ENOUGH + 1;
         for (j = b.j0; j <= b.j1; j++) {
             for (i = b.i0; i <= b.i1; i++) {
-                if (!all && spot_of(&c->field, i, j)->flags != 0) {
+                const plft_spot *s = spot_of(&c->field, i, j);
+                if (!all && s->flags != 0) {
                     continue;
                 }
                 if (pass == 0) {
                     usable++;
                 } else if (seen++ % step == 0) {
-                    plft_fold_add(fold, w->grey, plft_model_at(&c->model, i, j));
+                    plft_fold_add(fold, w->grey, plft_model_at(&c->model, i, j),
+                                  all ? 0.0 : (double)s->base,
+                                  all ? 1.0 : (double)s->gain);
                 }
             }
         }

@@ -44,7 +44,8 @@ static int phase_bin(double f, int phases)
     return k < 0 ? 0 : k >= phases ? phases - 1 : k;
 }
 
-void plft_fold_add(plft_fold *f, const plft_grey *g, plft_vec at)
+void plft_fold_add(plft_fold *f, const plft_grey *g, plft_vec at, double base,
+                   double gain)
 {
     const int cx = (int)floor(at.x + 0.5), cy = (int)floor(at.y + 0.5);
     const double fx = at.x - cx, fy = at.y - cy;
@@ -60,12 +61,12 @@ void plft_fold_add(plft_fold *f, const plft_grey *g, plft_vec at)
         const uint16_t *row =
             g->px + (size_t)(cy - f->half + y) * (size_t)g->w + cx - f->half;
         for (x = 0; x < f->n; x++) {
-            sum[y * f->n + x] += row[x];
+            sum[y * f->n + x] += row[x] - base;
         }
     }
-    f->fx[bin] += fx;
-    f->fy[bin] += fy;
-    f->weight[bin] += 1.0;
+    f->fx[bin] += gain * fx;
+    f->fy[bin] += gain * fy;
+    f->weight[bin] += gain;
 }
 
 /* Cubic B-spline weights of four neighbouring nodes, t in 0..1 past the second. */

@@ -18,8 +18,8 @@ typedef struct plft_fold {
     int half, n;     /* window: 2*half + 1 = n pixels on a side */
     int phases;      /* on an axis */
     double *sum;     /* [phases^2][n*n] */
-    double *fx, *fy; /* [phases^2] sum of phases, -0.5 .. 0.5 */
-    double *weight;  /* [phases^2] lenses */
+    double *fx, *fy; /* [phases^2] sum of phases, -0.5 .. 0.5, times gains */
+    double *weight;  /* [phases^2] sum of gains */
 } plft_fold;
 
 typedef struct plft_shape {
@@ -38,9 +38,12 @@ typedef struct plft_shape {
 int plft_fold_init(plft_fold *fold, int half, int phases);
 void plft_fold_free(plft_fold *fold);
 
-/* Add the window around a lens thought to be at `at`; no effect when it leaves the
- * picture. */
-void plft_fold_add(plft_fold *fold, const plft_grey *grey, plft_vec at);
+/* Add the window around a lens thought to be at `at`, less its background; no effect
+ * when it leaves the picture.  Lenses of one phase are often neighbours under one
+ * light: without their gains (above 0) the mean would change with it from phase to
+ * phase. */
+void plft_fold_add(plft_fold *fold, const plft_grey *grey, plft_vec at, double base,
+                   double gain);
 
 /* Fit T; the centre is not touched.  0, or -1 (no lens added, memory). */
 int plft_shape_fit(plft_shape *shape, const plft_fold *fold, int per);
