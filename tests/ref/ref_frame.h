@@ -66,7 +66,7 @@ static inline int ref_view_cost(const plfx_frame_state *s, int k, plfx_shift t, 
 /* Scaled mean of arm a at a pixel. */
 static inline int ref_arm(const plfx_frame_state *s, int a, int label, int x, int y)
 {
-    long sum = 0;
+    int64_t sum = 0;
     int k;
 
     x = ref_clamp(x, 0, s->nx - 1);
@@ -76,7 +76,7 @@ static inline int ref_arm(const plfx_frame_state *s, int a, int label, int x, in
             sum += ref_view_cost(s, k, plfx_plan_shift(s->plan, k, label), x, y);
         }
     }
-    return (int)((sum * s->arm_mul[a] + (1L << (s->arm_shift[a] - 1))) >>
+    return (int)((sum * s->arm_mul[a] + ((int64_t)1 << (s->arm_shift[a] - 1))) >>
                  s->arm_shift[a]);
 }
 
@@ -114,7 +114,7 @@ static inline int ref_cost(const plfx_frame_state *s, int label, int x, int y)
     for (i = 0; i < s->keep; i++) {
         sum += box[i] / 4;
     }
-    return ref_min(255, (int)(((long)sum * s->vol_mul) >> 16));
+    return ref_min(255, (int)(((int64_t)sum * s->vol_mul) >> 16));
 }
 
 static inline int ref_volume(const plfx_frame_state *s, int label, int x, int y)
@@ -171,8 +171,8 @@ static inline void ref_path(const plfx_frame_state *s, int dx, int dy, int *out)
 }
 
 /* Weighted median of a window by trying every value of the window. */
-static inline int ref_median(const plfx_frame_state *s, int window, const int *value,
-                             int x, int y)
+static inline int ref_median(const plfx_frame_state *s, int window,
+                             const int32_t *value, int x, int y)
 {
     int r = window / 2;
     int h = s->cfg.similar_q4;
