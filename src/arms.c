@@ -3,11 +3,9 @@
  */
 #include <string.h>
 
-#include "frame_state.h"
+#include "arms_rows.h"
 #include "arena.h"
 #include "fix.h"
-
-#define LEVELS_MAX 4 /* cheapest arms followed */
 
 typedef struct scratch {
     uint16_t *warp;    /* [n][2][nx]: rows after the horizontal step, by parity */
@@ -15,7 +13,7 @@ typedef struct scratch {
     int16_t *arm_sum;  /* [arms][nx] */
     int16_t *arm_row;  /* [arms][window][nx + 2r] */
     int16_t *column;   /* [nx + 2r] */
-    int16_t *least;    /* [LEVELS_MAX][nx] */
+    int16_t *least;    /* [PLFX_ARMS_LEVELS][nx] */
     int16_t *axis[2];  /* [nx] lesser of the two arms along u, along v */
     uint8_t *cost;     /* [3][nx + 2] */
     plfx_shift *shift; /* [n] */
@@ -33,7 +31,7 @@ static size_t carve(const plfx_frame_state *s, scratch *t, void *base)
     t->arm_sum = plfx_take(&a, PLFX_ARMS_MAX * nx, sizeof *t->arm_sum);
     t->arm_row = plfx_take(&a, PLFX_ARMS_MAX * w * (nx + w - 1), sizeof *t->arm_row);
     t->column = plfx_take(&a, nx + w - 1, sizeof *t->column);
-    t->least = plfx_take(&a, LEVELS_MAX * nx, sizeof *t->least);
+    t->least = plfx_take(&a, PLFX_ARMS_LEVELS * nx, sizeof *t->least);
     t->axis[0] = plfx_take(&a, nx, sizeof *t->axis[0]);
     t->axis[1] = plfx_take(&a, nx, sizeof *t->axis[1]);
     t->cost = plfx_take(&a, 3 * (nx + 2), sizeof *t->cost);
@@ -88,41 +86,96 @@ static void blend_subtract(const uint16_t *restrict a, const uint16_t *restrict 
     }
 }
 
-/* Source row r of view k, displaced for target row y: a pointer into the samples, or
- * into `buffer` after blending (which `fresh` may spare). */
-static const uint16_t *source_row(const plfx_frame_state *s, int32_t k,
-                                  const plfx_shift *shift, int32_t y, int32_t r,
-                                  int32_t fresh, uint16_t *buffer)
+/* Where a row is read: from a sample on, f sixteenths of the next one. */
+typedef struct place {
+    const uint16_t *row;
+    int32_t f;
+} place;
+
+/* Source row r of view k, displaced for target row y. */
+static place place_of(const plfx_frame_state *s, int32_t k, const plfx_shift *shift,
+                      int32_t y, int32_t r)
 {
     int32_t from = plfx_clamp_i32(r, 0, s->ny - 1);
-    const uint16_t *row = plfx_frame_row(s, k, from);
+    const uint16_t *row = plfx_frame_line(s, k, from);
     int32_t q4 = 16 * shift->kx + shift->fx_q4;
-    int32_t f;
+    place p;
 
     if (s->plan->hex) {
         q4 += ((y & 1) - (from & 1)) * s->plan->odd_q4;
     }
-    f = q4 & 15;
-    row += plfx_asr_i32(q4 - f, 4);
-    if (f == 0) {
-        return row;
+    p.f = q4 & 15;
+    p.row = row + plfx_asr_i32(q4 - p.f, 4);
+    return p;
+}
+
+/* A pointer into the samples, or into `buffer` after blending (which `fresh` may
+ * spare). */
+static const uint16_t *blended(const plfx_frame_state *s, place p, int32_t fresh,
+                               uint16_t *buffer)
+{
+    if (p.f == 0) {
+        return p.row;
     }
     if (fresh) {
-        blend(row, row + 1, f, s->nx, buffer);
+        blend(p.row, p.row + 1, p.f, s->nx, buffer);
     }
     return buffer;
 }
 
-/* Row y of view k less the reference: into diff[1 .. nx], ends repeated. */
-static void diff_row(const plfx_frame_state *s, const scratch *t, int32_t k,
-                     const plfx_shift *shift, int32_t y, int16_t *diff)
+static const uint16_t *source_row(const plfx_frame_state *s, int32_t k,
+                                  const plfx_shift *shift, int32_t y, int32_t r,
+                                  int32_t fresh, uint16_t *buffer)
 {
-    uint16_t *warp = t->warp + (size_t)k * 2 * (size_t)s->nx;
-    const uint16_t *ref = plfx_frame_row(s, s->plan->cfg.ref, y);
+    return blended(s, place_of(s, k, shift, y, r), fresh, buffer);
+}
+
+/* sum += min(|blend of a and b - ref|, T). */
+static void cost_flat(const uint16_t *restrict a, const uint16_t *restrict b, int32_t f,
+                      const uint16_t *restrict ref, uint16_t limit, int32_t n,
+                      int16_t *restrict sum)
+{
+    uint16_t w1 = (uint16_t)f;
+    uint16_t w0 = (uint16_t)(16 - f);
+    int16_t trunc = (int16_t)limit;
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        uint16_t v = (uint16_t)(a[i] * w0 + b[i] * w1 + 8);
+        int16_t d = (int16_t)((uint16_t)(v >> 4) - ref[i]);
+        int16_t m = (int16_t)-d;
+        d = d > m ? d : m;
+        d = d < trunc ? d : trunc;
+        sum[i] = (int16_t)(sum[i] + d);
+    }
+}
+
+void plfx_arms_flat(const plfx_frame_state *s, int32_t k, const plfx_shift *shift,
+                    int32_t y, uint16_t *warp, int16_t *sum)
+{
+    const uint16_t *ref = plfx_frame_line(s, s->plan->cfg.ref, y);
+    int32_t r = y + shift->ky;
+    place p = place_of(s, k, shift, y, r);
+    const uint16_t *a = p.row;
+    const uint16_t *b = p.row + 1;
+    int32_t f = p.f;
+
+    if (shift->fy_q4 != 0) {
+        f = shift->fy_q4;
+        a = blended(s, p, 1, warp);
+        b = blended(s, place_of(s, k, shift, y, r + 1), 1, warp + s->nx);
+    }
+    cost_flat(a, b, f, ref, s->cfg.trunc_q4, s->nx, sum);
+}
+
+void plfx_arms_diff(const plfx_frame_state *s, int32_t k, const plfx_shift *shift,
+                    int32_t y, int32_t fresh, uint16_t *warp, int16_t *diff)
+{
+    const uint16_t *ref = plfx_frame_line(s, s->plan->cfg.ref, y);
     int32_t r = y + shift->ky;
     uint16_t *w0 = warp + (r & 1) * s->nx;
     uint16_t *w1 = warp + ((r + 1) & 1) * s->nx;
-    int32_t first = y == 0 || s->plan->hex || shift->fy_q4 == 0;
+    int32_t first = fresh || s->plan->hex || shift->fy_q4 == 0;
     const uint16_t *a = source_row(s, k, shift, y, r, first, w0);
 
     if (shift->fy_q4 == 0) {
@@ -135,6 +188,14 @@ static void diff_row(const plfx_frame_state *s, const scratch *t, int32_t k,
     diff[s->nx + 1] = diff[s->nx];
 }
 
+/* Row y of view k at the label under way. */
+static void diff_row(const plfx_frame_state *s, const scratch *t, int32_t k, int32_t y,
+                     int16_t *diff)
+{
+    plfx_arms_diff(s, k, t->shift + k, y, y == 0,
+                   t->warp + (size_t)k * 2 * (size_t)s->nx, diff);
+}
+
 static int16_t *diff_at(const plfx_frame_state *s, const scratch *t, int32_t k,
                         int32_t y)
 {
@@ -145,9 +206,9 @@ static int16_t *diff_at(const plfx_frame_state *s, const scratch *t, int32_t k,
 
 /* sum += min(|d|,T) + (min(|dx|,G) + min(|dy|,G)) * w/16.  |d| < 2^12, so every step
  * stays within 2^15; G*31*2/16 < 2^12. */
-static void add_cost(const int16_t *restrict up, const int16_t *restrict mid,
-                     const int16_t *restrict down, const plfx_frame_cfg *cfg, int32_t n,
-                     int16_t *restrict sum)
+void plfx_arms_cost(const int16_t *restrict up, const int16_t *restrict mid,
+                    const int16_t *restrict down, const plfx_frame_cfg *cfg, int32_t n,
+                    int16_t *restrict sum)
 {
     int16_t trunc = (int16_t)cfg->trunc_q4;
     int16_t gtrunc = (int16_t)cfg->gtrunc_q4;
@@ -175,8 +236,8 @@ static void add_cost(const int16_t *restrict up, const int16_t *restrict mid,
 
 /* Mean of an arm scaled for the box: (sum*mul + half) >> shift, ends repeated r times.
  */
-static void store_arm(const int16_t *restrict sum, uint16_t mul, int32_t shift,
-                      int32_t n, int32_t r, int16_t *restrict out)
+void plfx_arms_mean(const int16_t *restrict sum, uint16_t mul, int32_t shift, int32_t n,
+                    int32_t r, int16_t *restrict out)
 {
     uint32_t half = 1u << (shift - 1);
     int32_t i;
@@ -213,19 +274,56 @@ static void arm_rows(const plfx_frame_state *s, const scratch *t, int32_t y)
             continue;
         }
         if (y == 0) {
-            diff_row(s, t, k, t->shift + k, 0, diff_at(s, t, k, 0));
+            diff_row(s, t, k, 0, diff_at(s, t, k, 0));
         }
         if (y + 1 < s->ny) {
-            diff_row(s, t, k, t->shift + k, y + 1, diff_at(s, t, k, y + 1));
+            diff_row(s, t, k, y + 1, diff_at(s, t, k, y + 1));
         }
-        add_cost(diff_at(s, t, k, y - 1), diff_at(s, t, k, y), diff_at(s, t, k, y + 1),
-                 &s->cfg, s->nx, t->arm_sum + (size_t)s->arm_of[k] * (size_t)s->nx);
+        plfx_arms_cost(diff_at(s, t, k, y - 1), diff_at(s, t, k, y),
+                       diff_at(s, t, k, y + 1), &s->cfg, s->nx,
+                       t->arm_sum + (size_t)s->arm_of[k] * (size_t)s->nx);
     }
     for (a = 0; a < s->cfg.arms; a++) {
         if (s->arm_n[a] > 0) {
-            store_arm(t->arm_sum + (size_t)a * (size_t)s->nx, s->arm_mul[a],
-                      s->arm_shift[a], s->nx, s->plan->cfg.window / 2,
-                      arm_row_at(s, t, a, y));
+            plfx_arms_mean(t->arm_sum + (size_t)a * (size_t)s->nx, s->arm_mul[a],
+                           s->arm_shift[a], s->nx, s->plan->cfg.window / 2,
+                           arm_row_at(s, t, a, y));
+        }
+    }
+}
+
+void plfx_arms_column(const int16_t *restrict sum, uint16_t mul, int32_t shift,
+                      int32_t n, int32_t sign, int16_t *restrict col)
+{
+    uint32_t half = 1u << (shift - 1);
+    int16_t whole = (int16_t)(sign * (1 << (14 - plfx_min_i32(shift, 14))));
+    int32_t i;
+
+    if (mul == 16384 && shift <= 14) { /* 2^k views: nothing is rounded */
+        for (i = 0; i < n; i++) {
+            col[i] = (int16_t)(col[i] + (int16_t)(sum[i] * whole));
+        }
+        return;
+    }
+    for (i = 0; i < n; i++) {
+        uint16_t v = (uint16_t)sum[i];
+        int32_t mean = (int32_t)(((uint32_t)v * mul + half) >> shift);
+        col[i] = (int16_t)(col[i] + sign * mean);
+    }
+}
+
+void plfx_arms_box(const int16_t *restrict in, int32_t window, int32_t n,
+                   int16_t *restrict out)
+{
+    int32_t i;
+    int32_t k;
+
+    for (i = 0; i < n; i++) {
+        out[i] = (int16_t)(in[i] + in[i + 1] + in[i + 2]);
+    }
+    for (k = 3; k < window; k += 2) {
+        for (i = 0; i < n; i++) {
+            out[i] = (int16_t)(out[i] + in[i + k] + in[i + k + 1]);
         }
     }
 }
@@ -240,7 +338,7 @@ static void add_row(const int16_t *restrict in, int32_t n, int16_t *restrict sum
 }
 
 /* Insert v into the ordered rows of least costs. */
-static void keep_least(const int16_t *restrict v, int32_t n, int16_t *restrict least)
+void plfx_arms_keep(const int16_t *restrict v, int32_t n, int16_t *restrict least)
 {
     int16_t *restrict m0 = least;
     int16_t *restrict m1 = least + n;
@@ -264,7 +362,7 @@ static void keep_least(const int16_t *restrict v, int32_t n, int16_t *restrict l
     }
 }
 
-static void lesser(const int16_t *restrict v, int32_t n, int16_t *restrict least)
+void plfx_arms_lesser(const int16_t *restrict v, int32_t n, int16_t *restrict least)
 {
     int32_t i;
 
@@ -274,8 +372,8 @@ static void lesser(const int16_t *restrict v, int32_t n, int16_t *restrict least
 }
 
 /* Running least over the labels. */
-static void follow(const int16_t *restrict v, int32_t label, int32_t n,
-                   int16_t *restrict best, uint8_t *restrict at)
+void plfx_arms_follow(const int16_t *restrict v, int32_t label, int32_t n,
+                      int16_t *restrict best, uint8_t *restrict at)
 {
     int32_t i;
 
@@ -287,7 +385,7 @@ static void follow(const int16_t *restrict v, int32_t label, int32_t n,
 }
 
 /* Axis of an arm, 0 u, 1 v, or -1: sectors are eighths or quarters of the circle. */
-static int32_t axis_of(const plfx_frame_state *s, int32_t a)
+int32_t plfx_arms_axis(const plfx_frame_state *s, int32_t a)
 {
     int32_t eighth = s->cfg.arms == 4 ? 2 * a : a;
 
@@ -310,15 +408,15 @@ static void box_arm(const plfx_frame_state *s, const scratch *t, int32_t a, int3
     for (i = 0; i < w; i++) {
         add_row(t->column + i, s->nx, box);
     }
-    keep_least(box, s->nx, t->least);
-    if (s->cfg.axes && axis_of(s, a) >= 0) {
-        lesser(box, s->nx, t->axis[axis_of(s, a)]);
+    plfx_arms_keep(box, s->nx, t->least);
+    if (s->cfg.axes && plfx_arms_axis(s, a) >= 0) {
+        plfx_arms_lesser(box, s->nx, t->axis[plfx_arms_axis(s, a)]);
     }
 }
 
 /* 8-bit cost from the `keep` least: quarters first, so that the sum fits 15 bits. */
-static void quantise(const int16_t *restrict least, int32_t n, int32_t keep,
-                     uint16_t mul, uint8_t *restrict out)
+void plfx_arms_quantise(const int16_t *restrict least, int32_t n, int32_t keep,
+                        uint16_t mul, uint8_t *restrict out)
 {
     int16_t on1 = (int16_t)(keep > 1 ? -1 : 0);
     int16_t on2 = (int16_t)(keep > 2 ? -1 : 0);
@@ -352,8 +450,8 @@ static void follow_axes(const plfx_frame_state *s, const scratch *t, int32_t lab
             memcpy(s->axis_best[k] + at, t->axis[k], (size_t)s->nx * sizeof(int16_t));
             memset(s->axis_label[k] + at, 0, (size_t)s->nx);
         } else {
-            follow(t->axis[k], label, s->nx, s->axis_best[k] + at,
-                   s->axis_label[k] + at);
+            plfx_arms_follow(t->axis[k], label, s->nx, s->axis_best[k] + at,
+                             s->axis_label[k] + at);
         }
     }
 }
@@ -366,7 +464,7 @@ static void cost_row(const plfx_frame_state *s, const scratch *t, int32_t label,
     int32_t i;
     int32_t a;
 
-    for (i = 0; i < LEVELS_MAX * s->nx; i++) {
+    for (i = 0; i < PLFX_ARMS_LEVELS * s->nx; i++) {
         t->least[i] = INT16_MAX;
     }
     for (i = 0; i < s->nx; i++) {
@@ -381,13 +479,13 @@ static void cost_row(const plfx_frame_state *s, const scratch *t, int32_t label,
     if (s->cfg.axes) {
         follow_axes(s, t, label, y);
     }
-    quantise(t->least, s->nx, s->keep, s->vol_mul, out + 1);
+    plfx_arms_quantise(t->least, s->nx, s->keep, s->vol_mul, out + 1);
     out[0] = out[1];
     out[s->nx + 1] = out[s->nx];
 }
 
-static void least_3x3(const uint8_t *restrict a, const uint8_t *restrict b,
-                      const uint8_t *restrict c, int32_t n, uint8_t *restrict out)
+void plfx_arms_least(const uint8_t *restrict a, const uint8_t *restrict b,
+                     const uint8_t *restrict c, int32_t n, uint8_t *restrict out)
 {
     int32_t i;
 
@@ -413,8 +511,8 @@ static void volume_row(const plfx_frame_state *s, const scratch *t, int32_t labe
         s->volume + ((size_t)y * (size_t)s->labels + (size_t)label) * (size_t)s->nx;
 
     if (s->cfg.shrink) {
-        least_3x3(cost_at(s, t, y - 1), cost_at(s, t, y), cost_at(s, t, y + 1), s->nx,
-                  out);
+        plfx_arms_least(cost_at(s, t, y - 1), cost_at(s, t, y), cost_at(s, t, y + 1),
+                        s->nx, out);
     } else {
         memcpy(out, cost_at(s, t, y) + 1, (size_t)s->nx);
     }

@@ -185,7 +185,7 @@ void plfx_frame_tables(const plfx_frame_state *s, const uint8_t *skip)
             s->arm_of[k] = (int8_t)sector(p->du_q8[k], p->dv_q8[k], s->cfg.arms);
         }
     }
-    for (k = 0; k < 256; k++) {
+    for (k = 0; s->p2_of && k < 256; k++) {
         s->p2_of[k] = penalty_of(s, k);
     }
 }
@@ -229,6 +229,8 @@ plfx_status plfx_frame_derive(plfx_frame_state *s, const plfx_plan *plan,
     s->ny = plan->ny;
     s->n = plan->cfg.n;
     s->labels = plan->cfg.labels;
+    s->ring = 0;
+    s->kept = s->ny;
     s->pad = plan->reach_x + 4;
     s->stride = (s->nx + 2 * s->pad + 15) & ~15;
     derive_arms(s, skip);
@@ -266,7 +268,8 @@ size_t plfx_frame_carve(plfx_frame_state *s, void *base)
     s->bx_q16 = plfx_take(&a, (size_t)s->n, 4);
     s->by_q16 = plfx_take(&a, (size_t)s->n, 4);
     s->p2_of = plfx_take(&a, 256, 2);
-    s->sample = plfx_take(&a, (size_t)s->ny * (size_t)s->n * (size_t)s->stride, 2);
+    s->sample = plfx_take(
+        &a, (size_t)s->ny * (size_t)s->n * (size_t)s->stride + PLFX_WINNER_CHUNK, 2);
     s->volume = plfx_take(&a, slice * (size_t)s->ny, 1);
     s->sum = plfx_take(&a, slice * rows + PLFX_ALIGN, 2);
     s->e_a = plfx_take(&a, pixels, 4);
@@ -366,6 +369,8 @@ void plfx_frame_load(const plfx_frame_state *s, const plfx_views *views)
             load_row(s, views, k, y);
         }
     }
+    memset(s->sample + (size_t)s->ny * (size_t)s->n * (size_t)s->stride, 0,
+           PLFX_WINNER_CHUNK * sizeof *s->sample);
 }
 
 static void swap_maps(plfx_frame_state *s)
@@ -414,6 +419,22 @@ static void write_row(const plfx_frame_state *s, const plfx_map *out, int32_t y)
     }
 }
 
+static void flag_row(const plfx_frame_state *s, const plfx_views *views, int32_t y)
+{
+    size_t at = (size_t)y * (size_t)s->nx;
+    plfx_frame_out row;
+
+    row.raw = raw_row(views, s->plan->cfg.ref, y);
+    row.top = (1u << s->plan->cfg.bits) - 1u;
+    row.e = s->e_a + at;
+    row.conf = s->conf + at;
+    row.flags = s->flags + at;
+    plfx_frame_flags(s, &row, y);
+    if (s->cfg.axes) {
+        plfx_frame_axes(s, s->axis_label[0] + at, s->axis_label[1] + at, row.flags);
+    }
+}
+
 static int32_t views_fit(const plfx_plan *p, const plfx_views *v, const plfx_map *out)
 {
     return v && v->px && out && out->slope_q16 && v->nx == p->nx && v->ny == p->ny &&
@@ -446,7 +467,7 @@ plfx_status plfx_frame(const plfx_plan *plan, const plfx_frame_cfg *cfg,
     refine(&s);
     for (y = 0; y < s.ny; y++) {
         if (out->flags) {
-            plfx_frame_flags(&s, views, y);
+            flag_row(&s, views, y);
         }
         write_row(&s, out, y);
     }

@@ -33,11 +33,16 @@ static int32_t leaves(int32_t x, int32_t r, int32_t n, int64_t e_q16, reach shar
     return x - r + least < 0 || x + r + most > n - 1;
 }
 
-static int32_t apart(const plfx_frame_state *s, size_t at)
+void plfx_frame_axes(const plfx_frame_state *s, const uint8_t *u, const uint8_t *v,
+                     uint8_t *flags)
 {
-    int32_t d = s->axis_label[0][at] - s->axis_label[1][at];
+    int32_t x;
 
-    return d > 1 || d < -1;
+    for (x = 0; x < s->nx; x++) {
+        int32_t d = u[x] - v[x];
+        uint32_t apart = d > 1 || d < -1 ? PLFX_FLAG_OCCLUDED : 0u;
+        flags[x] = (uint8_t)(flags[x] | apart);
+    }
 }
 
 /* Sum of |differences| over the window against the threshold: counts of 12 bits. */
@@ -51,9 +56,9 @@ static int32_t flat(const plfx_frame_state *s, int32_t x, int32_t y)
 
     for (j = y - w / 2; j <= y + w / 2; j++) {
         const uint16_t *a =
-            plfx_frame_row(s, s->plan->cfg.ref, plfx_clamp_i32(j, 0, s->ny - 1));
+            plfx_frame_line(s, s->plan->cfg.ref, plfx_clamp_i32(j, 0, s->ny - 1));
         const uint16_t *b =
-            plfx_frame_row(s, s->plan->cfg.ref, plfx_clamp_i32(j - 1, 0, s->ny - 1));
+            plfx_frame_line(s, s->plan->cfg.ref, plfx_clamp_i32(j - 1, 0, s->ny - 1));
         for (i = x - w / 2; i <= x + w / 2; i++) {
             int32_t k = plfx_clamp_i32(i, 0, s->nx - 1);
             int32_t dx = a[k] - a[k - 1];
@@ -64,27 +69,23 @@ static int32_t flat(const plfx_frame_state *s, int32_t x, int32_t y)
     return 16 * (int64_t)sum < (((int64_t)s->plan->cfg.texture * w * w) << up);
 }
 
-void plfx_frame_flags(const plfx_frame_state *s, const plfx_views *views, int32_t y)
+void plfx_frame_flags(const plfx_frame_state *s, const plfx_frame_out *row, int32_t y)
 {
     const plfx_cfg *c = &s->plan->cfg;
-    const uint16_t *raw =
-        views->px + ((size_t)y * (size_t)s->n + c->ref) * (size_t)s->nx;
     reach rx = reach_of(s, s->bx_q16);
     reach ry = reach_of(s, s->by_q16);
     int32_t r = c->window / 2;
     int32_t x;
 
     for (x = 0; x < s->nx; x++) {
-        size_t at = (size_t)y * (size_t)s->nx + (size_t)x;
-        uint32_t f = s->flags[at];
-        int64_t e = s->e_a[at];
+        uint32_t f = row->flags[x];
+        int64_t e = row->e[x];
         if (leaves(x, r, s->nx, e, rx) || leaves(y, r, s->ny, e, ry)) {
             f |= PLFX_FLAG_EDGE;
         }
-        f |= raw[x] >= (1u << c->bits) - 1u ? PLFX_FLAG_SATURATED : 0u;
-        f |= s->conf[at] < c->unique_u16 ? PLFX_FLAG_UNIQUE : 0u;
-        f |= s->cfg.axes && apart(s, at) ? PLFX_FLAG_OCCLUDED : 0u;
+        f |= row->raw[x] >= row->top ? PLFX_FLAG_SATURATED : 0u;
+        f |= row->conf[x] < c->unique_u16 ? PLFX_FLAG_UNIQUE : 0u;
         f |= c->texture && flat(s, x, y) ? PLFX_FLAG_TEXTURE : 0u;
-        s->flags[at] = (uint8_t)f;
+        row->flags[x] = (uint8_t)f;
     }
 }

@@ -12,6 +12,11 @@ typedef struct plfx_frame_state {
     int32_t smooth; /* views are smoothed first */
     int32_t nx, ny, n, labels;
     int32_t pad, stride; /* of a padded row */
+    int32_t ring;        /* rows kept of the reference alone; 0: all of all views */
+    int32_t span;        /* rows of a view at hand then, */
+    const uint8_t *slot; /* [n] where, */
+    uint16_t *lines;     /* [slot][span][stride] in here */
+    int32_t kept;        /* rows of the planes of winners: ny, or a ring */
     int8_t *arm_of;      /* [n], -1: not used */
     int32_t arm_n[PLFX_ARMS_MAX];
     int32_t arms, keep;              /* arms that have views; arms kept */
@@ -25,10 +30,10 @@ typedef struct plfx_frame_state {
     uint16_t *sample;       /* [ny][n][stride] */
     uint8_t *volume;        /* [ny][labels][nx] */
     int16_t *sum;           /* [ny or 1][labels][nx], and a chunk to spare */
-    int32_t *e_a, *e_b;     /* [ny][nx] */
+    int32_t *e_a, *e_b;     /* [kept][nx] */
     int16_t *axis_best[2];  /* [ny][nx] least cost of the u and of the v arms */
     uint8_t *axis_label[2]; /* and its label */
-    uint16_t *conf;         /* [ny][nx] */
+    uint16_t *conf;         /* [kept][nx] */
     uint8_t *flags;
     uint16_t *sigma;
     uint32_t *base;   /* [ny][nx] with refinement: error of e, q16 columns */
@@ -42,6 +47,27 @@ static inline const uint16_t *plfx_frame_row(const plfx_frame_state *s, int32_t 
 {
     return s->sample + ((size_t)y * (size_t)s->n + (size_t)k) * (size_t)s->stride +
            s->pad;
+}
+
+/* The same where only some rows are kept. */
+static inline const uint16_t *plfx_frame_line(const plfx_frame_state *s, int32_t k,
+                                              int32_t y)
+{
+    size_t stride = (size_t)s->stride;
+
+    if (s->ring == 0) {
+        return plfx_frame_row(s, k, y);
+    }
+    if (k == s->plan->cfg.ref) {
+        return s->sample + (size_t)(y % s->ring) * stride + s->pad;
+    }
+    return s->lines + (size_t)(s->slot[k] * s->span + y % s->span) * stride + s->pad;
+}
+
+/* Where row y of a plane of winners begins. */
+static inline size_t plfx_frame_at(const plfx_frame_state *s, int32_t y)
+{
+    return (size_t)(y % s->kept) * (size_t)s->nx;
 }
 
 /* Everything but the tables, which plfx_frame_tables() fills; errors as plfx_frame().
@@ -61,9 +87,20 @@ int32_t plfx_frame_slope_of(const plfx_frame_state *s, int32_t e_q16);
 /* Standard error of the slope, 2^-20, from that of e, q16 columns. */
 uint16_t plfx_frame_sigma(const plfx_frame_state *s, uint32_t sigma_q16);
 
-/* Flags of a row that need no matching: EDGE, TEXTURE, SATURATED, UNIQUE, axes apart.
- */
-void plfx_frame_flags(const plfx_frame_state *s, const plfx_views *views, int32_t y);
+/* A row on its way into the map. */
+typedef struct plfx_frame_out {
+    const uint16_t *raw; /* samples of the reference, */
+    uint32_t top;        /* saturated from here */
+    const int32_t *e;
+    const uint16_t *conf;
+    uint8_t *flags; /* those of the winner; more are added */
+} plfx_frame_out;
+
+/* Flags of row y that need no matching: EDGE, TEXTURE, SATURATED, UNIQUE. */
+void plfx_frame_flags(const plfx_frame_state *s, const plfx_frame_out *row, int32_t y);
+/* Flags of lenses whose axes chose labels apart. */
+void plfx_frame_axes(const plfx_frame_state *s, const uint8_t *u, const uint8_t *v,
+                     uint8_t *flags);
 
 /* Bytes that each stage needs, and the stages. */
 size_t plfx_arms_scratch(const plfx_frame_state *s);
@@ -73,6 +110,29 @@ void plfx_sgm(const plfx_frame_state *s);
 size_t plfx_winner_scratch(void);
 void plfx_winner_row(const plfx_frame_state *s, int32_t y, const int16_t *sum,
                      void *work);
+/* The same for n lenses from x on: label l of lens x + i in sum[l*step + i], of
+ * PLFX_WINNER_CHUNK lenses that may be read. */
+#define PLFX_WINNER_CHUNK 64
+void plfx_winner_chunk(const plfx_frame_state *s, size_t at, const int16_t *sum,
+                       int32_t step, int32_t n, void *work);
+
+/* Rows of a weighted median: `window` of them around the one that comes out.  Reads
+ * PLFX_WINNER_CHUNK samples of the reference beyond its rows. */
+typedef struct plfx_median_rows {
+    int16_t *value; /* [window][wide] */
+    size_t wide;
+    int32_t window, low, shift; /* value = (e - low) >> shift */
+} plfx_median_rows;
+size_t plfx_median_carve(const plfx_frame_state *s, plfx_median_rows *t, int32_t window,
+                         void *base);
+size_t plfx_median_work(int32_t window); /* bytes of `work` */
+/* The 15 bits of a value from those of all labels. */
+void plfx_median_of_labels(const plfx_frame_state *s, plfx_median_rows *t);
+/* Row y of e enters; rows in order. */
+void plfx_median_load(const plfx_frame_state *s, const plfx_median_rows *t,
+                      const int32_t *e, int32_t y);
+void plfx_median_row(const plfx_frame_state *s, const plfx_median_rows *t, int32_t y,
+                     int32_t *out, void *work);
 size_t plfx_median_scratch(const plfx_frame_state *s);
 void plfx_median(const plfx_frame_state *s, int32_t window, const int32_t *in,
                  int32_t *out);

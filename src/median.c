@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * Weighted median of a map.  A neighbour's weight falls with its grey difference d in
  * the reference view: (1 - (d/h)^2)^2, 0 from h on.  The map is brought to 15 bits
- * over its own range; the median is built bit by bit, a chunk of a row at once:
+ * over its own range, or that of the labels where winners are all; the median is built
+ * bit by bit, a chunk of a row at once:
  *   least v with 2 * sum(w[i] : e[i] <= v) >= sum(w).  Edges repeat. */
 #include <string.h>
 
@@ -9,44 +10,63 @@
 #include "arena.h"
 #include "fix.h"
 
-#define WINDOW_MAX 7
-#define CELLS      (WINDOW_MAX * WINDOW_MAX)
-#define CHUNK      64 /* pixels of a row at once */
-#define TOP        32767
+#define CHUNK 64 /* pixels of a row at once */
+#define TOP   32767
 
-typedef struct scratch {
-    int16_t *value; /* [window][nx + window - 1 + CHUNK] */
-    uint16_t *grey; /* likewise */
-    size_t wide;
-    int32_t window, low, shift; /* value = (e - low) >> shift */
-} scratch;
-
-typedef struct chunk {
-    int16_t value[CELLS][CHUNK];
-    int16_t weight[CELLS][CHUNK]; /* 0 .. 255: 49 of them stay under 2^14 */
+typedef struct chunk { /* then value and weight of one neighbour after the other */
     int16_t total[CHUNK], low[CHUNK], high[CHUNK], trial[CHUNK], sum[CHUNK];
 } chunk;
 
-static size_t carve(const plfx_frame_state *s, scratch *t, chunk **c, void *base)
+size_t plfx_median_work(int32_t window)
+{
+    return sizeof(chunk) + (size_t)(window * window) * 2u * CHUNK * sizeof(int16_t);
+}
+
+/* Values of neighbour i; its weights (0 .. 255: 49 of them stay under 2^14) are CHUNK
+ * behind. */
+static int16_t *value_of(chunk *c, int32_t i)
+{
+    return (int16_t *)(void *)(c + 1) + (size_t)i * 2u * CHUNK;
+}
+
+size_t plfx_median_carve(const plfx_frame_state *s, plfx_median_rows *t, int32_t window,
+                         void *base)
 {
     plfx_arena a = {base, 0};
 
-    t->wide = (size_t)s->nx + WINDOW_MAX - 1 + CHUNK;
-    t->value = plfx_take(&a, WINDOW_MAX * t->wide, sizeof *t->value);
-    t->grey = plfx_take(&a, WINDOW_MAX * t->wide, sizeof *t->grey);
-    *c = plfx_take(&a, 1, sizeof **c);
+    t->window = window;
+    t->wide = (size_t)s->nx + (size_t)window - 1 + CHUNK;
+    t->value = plfx_take(&a, (size_t)window * t->wide, sizeof *t->value);
     return a.used;
 }
 
 size_t plfx_median_scratch(const plfx_frame_state *s)
 {
-    scratch t;
-    chunk *c;
+    int32_t window = plfx_max_i32(s->cfg.median1, s->cfg.median2);
+    plfx_median_rows t;
 
-    return carve(s, &t, &c, NULL);
+    return plfx_median_carve(s, &t, window, NULL) + plfx_median_work(window);
 }
 
-static void find_range(const plfx_frame_state *s, scratch *t, const int32_t *in)
+static void set_range(plfx_median_rows *t, int32_t low, int32_t high)
+{
+    t->low = low;
+    t->shift = 0;
+    while (((int64_t)high - low) >> t->shift > TOP) { /* at most 17 times */
+        t->shift++;
+    }
+}
+
+void plfx_median_of_labels(const plfx_frame_state *s, plfx_median_rows *t)
+{
+    int32_t first = plfx_plan_slope_q16(s->plan, 0);
+    int32_t last = plfx_plan_slope_q16(s->plan, 16 * (s->labels - 1));
+
+    set_range(t, plfx_frame_e_of(s, first), plfx_frame_e_of(s, last));
+}
+
+static void find_range(const plfx_frame_state *s, plfx_median_rows *t,
+                       const int32_t *in)
 {
     size_t n = (size_t)s->nx * (size_t)s->ny;
     int32_t low = in[0];
@@ -57,19 +77,13 @@ static void find_range(const plfx_frame_state *s, scratch *t, const int32_t *in)
         low = in[i] < low ? in[i] : low;
         high = in[i] > high ? in[i] : high;
     }
-    t->low = low;
-    t->shift = 0;
-    while (((int64_t)high - low) >> t->shift > TOP) { /* at most 17 times */
-        t->shift++;
-    }
+    set_range(t, low, high);
 }
 
-/* Row y of the map and of the reference, ends repeated, into slot y % window. */
-static void load_row(const plfx_frame_state *s, const scratch *t, const int32_t *in,
-                     int32_t y)
+/* Ends repeated, into slot y % window. */
+void plfx_median_load(const plfx_frame_state *s, const plfx_median_rows *t,
+                      const int32_t *e, int32_t y)
 {
-    const int32_t *e = in + (size_t)y * (size_t)s->nx;
-    const uint16_t *grey = plfx_frame_row(s, s->plan->cfg.ref, y);
     size_t at = (size_t)(y % t->window) * t->wide;
     int32_t r = t->window / 2;
     int32_t x;
@@ -78,7 +92,6 @@ static void load_row(const plfx_frame_state *s, const scratch *t, const int32_t 
         int32_t from = plfx_clamp_i32(x - r, 0, s->nx - 1);
         int64_t v = (int64_t)e[from] - t->low;
         t->value[at + (size_t)x] = (int16_t)plfx_asr_i64(v, t->shift);
-        t->grey[at + (size_t)x] = grey[from];
     }
 }
 
@@ -117,13 +130,13 @@ static void spread(const int16_t *restrict v, int16_t *restrict copy,
     }
 }
 
-static void fill_chunk(const plfx_frame_state *s, const scratch *t, int32_t x,
+static void fill_chunk(const plfx_frame_state *s, const plfx_median_rows *t, int32_t x,
                        int32_t y, chunk *c)
 {
     int32_t w = t->window;
     uint16_t h = s->cfg.similar_q4;
     uint16_t recip = (uint16_t)(65535u / h);
-    const uint16_t *centre = t->grey + (size_t)(y % w) * t->wide + (size_t)(x + w / 2);
+    const uint16_t *centre = plfx_frame_line(s, s->plan->cfg.ref, y) + x;
     int32_t i;
 
     /* NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): never a dry run */
@@ -135,8 +148,9 @@ static void fill_chunk(const plfx_frame_state *s, const scratch *t, int32_t x,
     for (i = 0; i < w * w; i++) {
         int32_t yy = plfx_clamp_i32(y + i / w - w / 2, 0, s->ny - 1);
         size_t at = (size_t)(yy % w) * t->wide + (size_t)(x + i % w);
-        weigh(t->grey + at, centre, recip, h, c->weight[i], c->total);
-        spread(t->value + at, c->value[i], c->low, c->high);
+        const uint16_t *grey = plfx_frame_line(s, s->plan->cfg.ref, yy) + x;
+        weigh(grey + i % w - w / 2, centre, recip, h, value_of(c, i) + CHUNK, c->total);
+        spread(t->value + at, value_of(c, i), c->low, c->high);
     }
 }
 
@@ -181,7 +195,7 @@ static void median_chunk(chunk *c, int32_t cells)
             c->sum[i] = 0;
         }
         for (i = 0; i < cells; i++) {
-            count(c->value[i], c->weight[i], c->trial, c->sum);
+            count(value_of(c, i), value_of(c, i) + CHUNK, c->trial, c->sum);
         }
         for (i = 0; i < CHUNK; i++) {
             int16_t under = (int16_t) - ((int16_t)(2 * c->sum[i]) < c->total[i]);
@@ -190,30 +204,40 @@ static void median_chunk(chunk *c, int32_t cells)
     }
 }
 
+void plfx_median_row(const plfx_frame_state *s, const plfx_median_rows *t, int32_t y,
+                     int32_t *out, void *work)
+{
+    chunk *c = work;
+    int32_t x;
+    int32_t i;
+
+    for (x = 0; x < s->nx; x += CHUNK) {
+        fill_chunk(s, t, x, y, c);
+        median_chunk(c, t->window * t->window);
+        for (i = 0; i < plfx_min_i32(CHUNK, s->nx - x); i++) {
+            out[x + i] = (c->low[i] * (1 << t->shift)) + t->low;
+        }
+    }
+}
+
 void plfx_median(const plfx_frame_state *s, int32_t window, const int32_t *in,
                  int32_t *out)
 {
-    scratch t;
-    chunk *c;
+    unsigned char *work = s->scratch;
+    plfx_median_rows t;
     int32_t loaded = 0;
-    int32_t x;
     int32_t y;
-    int32_t i;
 
-    (void)carve(s, &t, &c, s->scratch);
-    t.window = window;
-    find_range(s, &t, in);
+    work += plfx_median_carve(s, &t, window, work);
+    if (s->cfg.taps) {
+        find_range(s, &t, in);
+    } else { /* winners alone: their range is known before the frame is */
+        plfx_median_of_labels(s, &t);
+    }
     for (y = 0; y < s->ny; y++) {
-        int32_t *row = out + (size_t)y * (size_t)s->nx;
         for (; loaded < s->ny && loaded <= y + window / 2; loaded++) {
-            load_row(s, &t, in, loaded);
+            plfx_median_load(s, &t, in + (size_t)loaded * (size_t)s->nx, loaded);
         }
-        for (x = 0; x < s->nx; x += CHUNK) {
-            fill_chunk(s, &t, x, y, c);
-            median_chunk(c, window * window);
-            for (i = 0; i < plfx_min_i32(CHUNK, s->nx - x); i++) {
-                row[x + i] = (c->low[i] * (1 << t.shift)) + t.low;
-            }
-        }
+        plfx_median_row(s, &t, y, out + (size_t)y * (size_t)s->nx, work);
     }
 }

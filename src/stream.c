@@ -1,13 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 #include "plenofix/stream.h"
+#include "arms_stream.h"
 #include "engine.h"
 #include "gather.h"
 #include "store.h"
 #include "fix.h"
 
+#include <string.h>
+
+/* Build with -DPLFX_STREAM_ARMS=0 to leave arms of views out of what a program links:
+ * plans of them are then refused. */
+#ifndef PLFX_STREAM_ARMS
+#define PLFX_STREAM_ARMS 1
+#endif
+
 typedef struct state {
-    plfx_engine engine;
+    plfx_engine *engine;    /* of SWEEP and PAIRS */
+    plfx_arms_stream *arms; /* of ARMS */
     plfx_gather gather;
+    int32_t below;  /* lens rows after its own that a map row waits for */
     uint8_t *store; /* [store_depth] view rows at rest, small profile */
     int32_t store_depth;
     int32_t open_end;  /* lens rows before it are open or whole */
@@ -34,6 +45,25 @@ static int32_t raw_ok(const plfx_stream_cfg *c)
     return plfx_raw_bpp(c->format) > 0 && c->bits >= 8 && c->bits <= 16;
 }
 
+static plfx_arms_stream *arms_of(const state *s)
+{
+    return PLFX_STREAM_ARMS ? s->arms : NULL;
+}
+
+static int32_t is_arms(const plfx_stream_cfg *c)
+{
+    return PLFX_STREAM_ARMS && c->plan->cfg.method == PLFX_METHOD_ARMS;
+}
+
+static int32_t method_ok(const plfx_stream_cfg *c)
+{
+    if (is_arms(c)) {
+        return plfx_arms_streams(c->plan, c->frame);
+    }
+    return c->plan->cfg.method <= PLFX_METHOD_PAIRS &&
+           c->plan->cfg.cost == PLFX_COST_SAD;
+}
+
 static int32_t cfg_ok(const plfx_stream_cfg *c)
 {
     if (!c || !c->plan || !c->lut || c->profile > PLFX_PROFILE_FAST || !raw_ok(c) ||
@@ -41,40 +71,79 @@ static int32_t cfg_ok(const plfx_stream_cfg *c)
         return 0;
     }
     return c->plan->nx == c->lut->lattice.nx && c->plan->ny == c->lut->lattice.ny &&
-           c->plan->cfg.method != PLFX_METHOD_GRADIENT &&
-           c->plan->cfg.cost == PLFX_COST_SAD && c->tone.bits == c->plan->cfg.bits &&
-           c->open_rows >= 1 && c->open_rows <= PLFX_STREAM_OPEN_MAX && c->j0 >= 0 &&
-           c->j0 < c->j1 && c->j1 <= c->plan->ny;
+           method_ok(c) && c->tone.bits == c->plan->cfg.bits && c->open_rows >= 1 &&
+           c->open_rows <= PLFX_STREAM_OPEN_MAX && c->j0 >= 0 && c->j0 < c->j1 &&
+           c->j1 <= c->plan->ny;
+}
+
+/* Where the state is NULL, sizes alone are wanted. */
+static void carve_arms(state *s, const plfx_stream_cfg *c, plfx_arena *a)
+{
+    plfx_arms_stream dry;
+    plfx_arms_stream *arms = plfx_take(a, 1, sizeof *arms);
+    void *base = plfx_take(a, plfx_arms_carve(&dry, c->plan, c->frame, NULL), 1);
+
+    if (s) {
+        (void)plfx_arms_carve(arms, c->plan, c->frame, base);
+        s->arms = arms;
+        s->below = plfx_arms_below(arms);
+    }
+}
+
+static void carve_engine(state *s, const plfx_stream_cfg *c, plfx_arena *a)
+{
+    plfx_engine dry;
+    plfx_engine *e = plfx_take(a, 1, sizeof *e);
+    plfx_engine *to;
+    size_t row = plfx_store_bytes(c->plan->nx, c->plan->cfg.bits) * c->plan->cfg.n;
+    uint8_t *store = NULL;
+    int32_t depth;
+
+    memset(&dry, 0, sizeof dry);
+    to = e ? e : &dry;
+    plfx_engine_carve(to, c->plan, small(c) ? PLFX_LEAVE_DROP : PLFX_LEAVE_COSTS, a);
+    depth = small(c) ? c->plan->cfg.window + to->match.above + to->match.below - 1 : 1;
+    if (small(c)) {
+        store = plfx_take(a, (size_t)depth, row);
+    }
+    if (s) {
+        s->engine = e;
+        s->store = store;
+        s->store_depth = depth;
+        s->below = to->match.below + c->plan->cfg.window / 2;
+    }
+}
+
+static void carve_gather(state *s, const plfx_stream_cfg *c, plfx_arena *a)
+{
+    plfx_gather dry;
+
+    plfx_gather_carve(s ? &s->gather : &dry, c, a);
 }
 
 /* The state itself comes first, then what it points to. */
 static void carve(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 {
-    size_t row;
-
     (void)plfx_take(a, 1, sizeof(state));
-    plfx_engine_carve(&s->engine, c->plan,
-                      small(c) ? PLFX_LEAVE_DROP : PLFX_LEAVE_COSTS, a);
-    plfx_gather_carve(&s->gather, c, a);
-    s->store = NULL;
-    s->store_depth = 1;
-    if (small(c)) {
-        s->store_depth =
-            c->plan->cfg.window + s->engine.match.above + s->engine.match.below - 1;
-        row = plfx_store_bytes(c->plan->nx, c->plan->cfg.bits) * c->plan->cfg.n;
-        s->store = plfx_take(a, (size_t)s->store_depth, row);
+    if (s) {
+        memset(s, 0, sizeof *s);
+    }
+    carve_gather(s, c, a);
+    if (PLFX_STREAM_ARMS && is_arms(c)) {
+        carve_arms(s, c, a);
+    } else {
+        carve_engine(s, c, a);
     }
 }
 
 size_t plfx_stream_ws(const plfx_stream_cfg *cfg)
 {
     plfx_arena a = {NULL, 0};
-    state s;
 
     if (!cfg_ok(cfg)) {
         return 0;
     }
-    carve(&s, cfg, &a);
+    carve(NULL, cfg, &a);
     return a.used;
 }
 
@@ -84,11 +153,19 @@ static void choose_rows(state *s, const plfx_stream_cfg *c)
     int32_t r = c->plan->cfg.window / 2;
     int32_t ny = c->plan->ny;
 
+    if (arms_of(s)) {
+        plfx_arms_range rows = plfx_arms_start(s->arms, c->j0, c->j1);
+        s->y0 = c->j0;
+        s->y1 = c->j1;
+        s->from = rows.from;
+        s->to = rows.to;
+        return;
+    }
     s->y0 = plfx_clamp_i32(c->j0, r, ny - r);
     s->y1 = plfx_clamp_i32(c->j1, s->y0, ny - r);
-    plfx_match_start(&s->engine.match, s->y0);
-    s->from = plfx_match_from(&s->engine.match);
-    s->to = plfx_min_i32(s->y1 + r + s->engine.match.below, ny);
+    plfx_match_start(&s->engine->match, s->y0);
+    s->from = plfx_match_from(&s->engine->match);
+    s->to = plfx_min_i32(s->y1 + r + s->engine->match.below, ny);
     if (s->y0 >= s->y1) {
         s->to = s->from;
     }
@@ -107,14 +184,10 @@ static void open_more(state *s)
 /* Map rows up to here need nothing more. */
 static int32_t poppable(const state *s, const plfx_stream_cfg *c)
 {
-    int32_t below = s->engine.match.below;
-    int32_t rows = s->whole_end == s->to ? s->to : s->whole_end - below;
-    int32_t done = rows - c->plan->cfg.window / 2;
-
     if (s->whole_end == s->to) {
         return c->j1;
     }
-    return plfx_clamp_i32(done, plfx_min_i32(s->y0, c->j1), c->j1);
+    return plfx_clamp_i32(s->whole_end - s->below, plfx_min_i32(s->y0, c->j1), c->j1);
 }
 
 static void begin(plfx_stream *s)
@@ -255,21 +328,35 @@ static void rest(state *s, const plfx_stream_cfg *c)
     }
 }
 
-/* Lens row whole_end is whole: its costs enter as far as no map row waits for them. */
+/* Lens row whole_end - 1 is new to the matcher: its costs enter as far as no map row
+ * waits for them. */
+static void enter(const plfx_stream *s, state *t)
+{
+    int32_t r = s->cfg.plan->cfg.window / 2;
+    int32_t j = t->whole_end - 1;
+    plfx_rows src = source(t);
+    int32_t cost;
+
+    if (arms_of(t)) {
+        plfx_arms_put(t->arms, j,
+                      src.px + (size_t)(j % src.depth) * s->cfg.plan->cfg.n *
+                                   (size_t)s->cfg.plan->nx);
+        plfx_arms_enter(t->arms, j, s->j);
+        return;
+    }
+    plfx_match_feed(&t->engine->match, &src, j);
+    cost = t->whole_end == t->to ? j : j - t->engine->match.below;
+    plfx_match_enter(&t->engine->match, &src,
+                     plfx_min_i32(cost, plfx_max_i32(s->j, t->y0) + r - 1));
+}
+
 static void close_row(plfx_stream *s)
 {
     state *t = s->state;
-    int32_t r = s->cfg.plan->cfg.window / 2;
-    plfx_rows src;
-    int32_t cost;
 
     plfx_gather_close(&t->gather, t->whole_end);
-    src = source(t);
-    plfx_match_feed(&t->engine.match, &src, t->whole_end);
     t->whole_end++;
-    cost = t->whole_end == t->to ? t->to - 1 : t->whole_end - 1 - t->engine.match.below;
-    plfx_match_enter(&t->engine.match, &src,
-                     plfx_min_i32(cost, plfx_max_i32(s->j, t->y0) + r - 1));
+    enter(s, t);
     s->ready = poppable(t, &s->cfg);
     if (s->ready <= s->j) {
         rest(t, &s->cfg);
@@ -367,6 +454,22 @@ plfx_status plfx_stream_push_band(plfx_stream *s, int32_t y, const plfx_raw *ban
     return PLFX_OK;
 }
 
+static void match_row(const state *t, int32_t j, const plfx_map *row)
+{
+    plfx_rows src = source(t);
+
+    if (j < t->y0 || j >= t->y1) {
+        plfx_map_edge(row);
+    } else if (arms_of(t)) {
+        plfx_arms_row(t->arms, j, row);
+    } else {
+        plfx_engine_row(t->engine, &src, j, row);
+        if (t->store) {
+            plfx_match_drop(&t->engine->match, &src, j);
+        }
+    }
+}
+
 static int32_t map_ok(const plfx_stream *s, const plfx_map *m)
 {
     return m && m->slope_q16 && m->w == s->cfg.plan->nx && m->h == 1;
@@ -376,7 +479,6 @@ plfx_status plfx_stream_pop(plfx_stream *s, int32_t *j, const plfx_map *row,
                             int32_t *ready)
 {
     state *t;
-    plfx_rows src;
 
     if (!s || !s->state || !j || !ready || !map_ok(s, row)) {
         return PLFX_E_ARG;
@@ -386,15 +488,7 @@ plfx_status plfx_stream_pop(plfx_stream *s, int32_t *j, const plfx_map *row,
     }
     t = s->state;
     *j = s->j;
-    if (s->j >= t->y0 && s->j < t->y1) {
-        src = source(t);
-        plfx_engine_row(&t->engine, &src, s->j, row);
-        if (t->store) {
-            plfx_match_drop(&t->engine.match, &src, s->j);
-        }
-    } else {
-        plfx_map_edge(row);
-    }
+    match_row(t, s->j, row);
     s->j++;
     if (s->ready <= s->j) {
         rest(t, &s->cfg);

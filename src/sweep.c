@@ -215,7 +215,7 @@ static int32_t map_ok(const plfx_plan *plan, const plfx_map *m)
 static plfx_status check(const plfx_plan *plan, const plfx_views *v,
                          const plfx_map *out, const void *ws, size_t ws_size)
 {
-    if (!plan || !v || !v->px || plan->cfg.method == PLFX_METHOD_GRADIENT ||
+    if (!plan || !v || !v->px || plan->cfg.method > PLFX_METHOD_PAIRS ||
         v->nx != plan->nx || v->ny != plan->ny || v->n != plan->cfg.n ||
         !map_ok(plan, out)) {
         return PLFX_E_ARG;

@@ -3,7 +3,7 @@
 #include "frame_state.h"
 #include "fix.h"
 
-#define CHUNK 64 /* pixels whose running least is held at once */
+#define CHUNK PLFX_WINNER_CHUNK /* pixels whose running least is held at once */
 
 typedef struct chunk {
     int16_t best[CHUNK], label[CHUNK], second[CHUNK];
@@ -60,15 +60,18 @@ static int32_t vee_q4(int32_t a, int32_t b, int32_t c)
     return plfx_clamp_i32((int32_t)plfx_div_round_i64(8 * (a - c), rise), -8, 8);
 }
 
-static void store(const plfx_frame_state *s, const int16_t *sum, size_t at,
-                  int32_t label, int32_t best, int32_t second)
+static void store(const plfx_frame_state *s, const int16_t *sum, int32_t step,
+                  size_t at, const chunk *c, int32_t i)
 {
+    int32_t label = c->label[i];
+    int32_t best = c->best[i];
+    int32_t second = c->second[i];
     int32_t end = label == 0 || label == s->labels - 1;
     int32_t q4 = 16 * label;
     int32_t floor_cost = 8 * plfx_max_i32(s->cfg.paths, 1);
 
     if (!end) {
-        q4 += vee_q4(sum[-s->nx], best, sum[s->nx]);
+        q4 += vee_q4(sum[-step], best, sum[step]);
     }
     s->e_a[at] = plfx_frame_e_of(s, plfx_plan_slope_q16(s->plan, q4));
     s->conf[at] = (uint16_t)((uint32_t)(second - best) * 65535u /
@@ -81,23 +84,29 @@ size_t plfx_winner_scratch(void)
     return sizeof(chunk);
 }
 
+void plfx_winner_chunk(const plfx_frame_state *s, size_t at, const int16_t *sum,
+                       int32_t step, int32_t n, void *work)
+{
+    chunk *c = work;
+    int32_t i;
+
+    find_best(sum, s->labels, step, c);
+    find_second(sum, s->labels, step, c);
+    for (i = 0; i < n; i++) {
+        store(s, sum + (size_t)c->label[i] * (size_t)step + i, step, at + (size_t)i, c,
+              i);
+    }
+}
+
 void plfx_winner_row(const plfx_frame_state *s, int32_t y, const int16_t *sum,
                      void *work)
 {
-    chunk *c = work;
     int32_t x;
-    int32_t i;
 
     for (x = 0; x < s->nx; x += CHUNK) {
-        int32_t n = plfx_min_i32(CHUNK, s->nx - x);
         /* The last chunk reads into the next label's row, or the spare after the last.
          */
-        find_best(sum + x, s->labels, s->nx, c);
-        find_second(sum + x, s->labels, s->nx, c);
-        for (i = 0; i < n; i++) {
-            store(s, sum + (size_t)c->label[i] * (size_t)s->nx + x + i,
-                  (size_t)y * (size_t)s->nx + (size_t)(x + i), c->label[i], c->best[i],
-                  c->second[i]);
-        }
+        plfx_winner_chunk(s, plfx_frame_at(s, y) + (size_t)x, sum + x, s->nx,
+                          plfx_min_i32(CHUNK, s->nx - x), work);
     }
 }

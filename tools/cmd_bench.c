@@ -211,6 +211,28 @@ static int plan_views(plfx_plan *plan, const camera *c, int n)
     return plfx_plan_init(plan, &g, &c->lut, LENSES_X, LENSES_Y) == PLFX_OK;
 }
 
+/* The stream preset: 8 views on the axes around the reference. */
+static int plan_arms(plfx_plan *plan, const camera *c, plfx_frame_cfg *frame)
+{
+    plfx_cfg g;
+
+    memset(&g, 0, sizeof g);
+    if (plfx_preset(PLFX_PRESET_STREAM, &g, frame) != PLFX_OK) {
+        return 0;
+    }
+    g.bits = 12;
+    g.n = 9;
+    g.labels = 17;
+    for (int k = 0; k < 4; k++) { /* 3 and 6 px */
+        int16_t d = (int16_t)((k % 2 ? 6 : 3) * (k / 2 ? 256 : -256));
+        g.at[1 + k].u_q8 = d;
+        g.at[5 + k].v_q8 = d;
+    }
+    g.slope_min_q16 = -10000;
+    g.slope_max_q16 = 10000;
+    return plfx_plan_init(plan, &g, &c->lut, LENSES_X, LENSES_Y) == PLFX_OK;
+}
+
 /* One frame through the stream; 0 when a call fails. */
 static int stream_frame(plfx_stream *s, const camera *c, int32_t *slope)
 {
@@ -255,20 +277,22 @@ static double time_stream(plfx_stream *s, const camera *c, int rounds)
 
 typedef struct stream_case {
     const char *name;
-    int n, profile;
+    int n, profile; /* n = 0: by arms */
 } stream_case;
 
 static int run_stream(bench *b, const camera *c, const stream_case *k)
 {
     result r = {k->name, NAN, 0, 0};
     plfx_stream_cfg cfg;
+    plfx_frame_cfg frame;
     plfx_stream s;
     plfx_plan plan;
     void *ws = NULL;
 
     memset(&cfg, 0, sizeof cfg);
-    if (plan_views(&plan, c, k->n)) {
+    if (k->n > 0 ? plan_views(&plan, c, k->n) : plan_arms(&plan, c, &frame)) {
         cfg.plan = &plan;
+        cfg.frame = k->n > 0 ? NULL : &frame;
         cfg.lut = &c->lut;
         cfg.tone = plfx_tone_unity(12);
         cfg.profile = (uint8_t)k->profile;
@@ -325,7 +349,8 @@ static int run_cameras(bench *b)
         {"stream 5 views small", 5, PLFX_PROFILE_SMALL},
         {"stream 5 views fast", 5, PLFX_PROFILE_FAST},
         {"stream 9 views small", 9, PLFX_PROFILE_SMALL},
-        {"stream 9 views fast", 9, PLFX_PROFILE_FAST}};
+        {"stream 9 views fast", 9, PLFX_PROFILE_FAST},
+        {"stream 8 views by arms", 0, PLFX_PROFILE_FAST}};
     camera c = {.blob = NULL};
     int rc = open_camera(&c) ? 0 : PLFT_DATA;
 

@@ -92,6 +92,7 @@ def strip_comments(text):
 PARTS = {
     'frame.h': r'(arms|frame|frame_flags|median|preset|refine|sgm|sigma|viewcheck|'
                r'winner_row)$',
+    'arms in stream.h': r'arms_stream$',
     'structural motion': r'(roi|modal|packet)(_|$)|ln$',
     'drift.h': r'drift(_|$)',
 }

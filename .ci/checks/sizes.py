@@ -16,6 +16,7 @@ TABLE = common.ROOT / 'tests' / 'sizes.csv'
 CODE_LIMITS = {  # bytes of text, by part
     'core': 40 * 1024,
     'frame.h': 24 * 1024,  # it wants a frame's memory
+    'arms in stream.h': 6 * 1024,  # with rows of frame.h; -DPLFX_STREAM_ARMS=0: neither
     'structural motion': 28 * 1024,
     'drift.h': 12 * 1024,
 }

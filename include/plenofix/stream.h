@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * Streaming: sensor rows in, map rows out.  No raw row is kept: each lens row gathers
  * its taps as the rows pass, each view row is matched as soon as it is whole.  The map
- * is that of plfx_view_all() and plfx_sweep() to the bit, whatever the profile.
+ * is that of plfx_view_all() and plfx_sweep() to the bit, whatever the profile; of
+ * plfx_frame() where the plan's method is ARMS.
  *
  *   plfx_stream_init(&s, &cfg, ws, size);
  *   for (y = 0; y < sensor_h; y++) {
@@ -30,15 +31,18 @@ typedef enum plfx_profile {
 #define PLFX_STREAM_OPEN_MAX 8 /* lens rows gathering taps at the same time */
 
 typedef struct plfx_stream_cfg {
-    const plfx_plan *plan; /* made with `lut`; SAD; kept */
+    const plfx_plan *plan; /* made with `lut`; SWEEP, PAIRS or ARMS; SAD; kept */
     const plfx_lut *lut;   /* kept, with its blob */
-    plfx_tone tone;        /* tone.bits = plan->cfg.bits */
-    uint8_t profile;       /* plfx_profile */
-    uint8_t white;         /* 1: the table's gains */
-    uint8_t format;        /* plfx_raw_format of the rows */
-    uint8_t bits;          /* significant bits of a raw pixel, 8 .. 16 */
-    int32_t open_rows;     /* 1 .. PLFX_STREAM_OPEN_MAX, plfx_stream_open_rows() */
-    int32_t j0, j1;        /* map rows wanted, 0 <= j0 < j1 <= ny */
+    const struct plfx_frame_cfg *frame; /* ARMS: plfx_preset() of PLFX_PRESET_STREAM, or
+                                           any without paths, refinement, second median
+                                           and noise from 0.75 grey on; kept */
+    plfx_tone tone;                     /* tone.bits = plan->cfg.bits */
+    uint8_t profile;                    /* plfx_profile */
+    uint8_t white;                      /* 1: the table's gains */
+    uint8_t format;                     /* plfx_raw_format of the rows */
+    uint8_t bits;                       /* significant bits of a raw pixel, 8 .. 16 */
+    int32_t open_rows; /* 1 .. PLFX_STREAM_OPEN_MAX, plfx_stream_open_rows() */
+    int32_t j0, j1;    /* map rows wanted, 0 <= j0 < j1 <= ny */
 } plfx_stream_cfg;
 
 typedef struct plfx_stream {
@@ -94,6 +98,32 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
         (open) * (2u * (n) * (nx) + ((fast) ? 9u * (nx) + 256u : 0u)) +                \
         ((fast) ? 2u * (packed_w)                                                      \
                 : ((window) + (around)-1u) * (n) * ((nx)*3u / 2u + 1u)))
+
+/* The same for ARMS:
+ *   arms, in_arm   arms that have views, most views of one
+ *   around         2*reach_y, 2 more with gradient weights
+ *   median         frame.median1
+ * The arguments of PLFX_STREAM_WS() that are not here do not matter. */
+#define PLFX_STREAM_MORE(a, b) ((a) > (b) ? (a) : (b))
+#define PLFX_STREAM_BACK(window, median)                                               \
+    PLFX_STREAM_MORE((window) + 1u,                                                    \
+                     (window) / 2u + (median) / 2u + 2u +                              \
+                         PLFX_STREAM_MORE((window) / 2u + 1u, (median) / 2u))
+#define PLFX_STREAM_ARMS_WS(nx, packed_w, n, arms, in_arm, labels, window, reach,      \
+                            around, median, open, fast)                                \
+    PLFX_ALIGNED(4096u + (n) * (20u + 8u * (labels)) +                                 \
+                 (open) * (2u * (n) * (nx) + ((fast) ? 9u * (nx) + 256u : 0u)) +       \
+                 ((fast) ? 2u * (packed_w) : 0u) + 2u * (nx) +                         \
+                 2u * ((nx) + 2u * (reach) + 24u) *                                    \
+                     (PLFX_STREAM_BACK(window, median) + (around)) +                   \
+                 ((n)-1u) * ((window) + 1u + (around)) * ((nx)*3u / 2u + 1u) +         \
+                 (7u * ((median) / 2u + 1u) + 8u) * (nx) +                             \
+                 2u * (median) * ((nx) + (median) + 63u) +                             \
+                 PLFX_STREAM_MORE(                                                     \
+                     2u * (in_arm) * ((around) + 1u) * ((nx) + 2u * (reach) + 24u) +   \
+                         30u * (nx),                                                   \
+                     PLFX_STREAM_MORE(128u * (labels), 256u * (median) * (median))) +  \
+                 (labels) * (3u * ((nx) + 2u) + 2u * (arms) * (nx)))
 
 /* PLFX_OK, PLFX_E_ARG (also NCC and GRADIENT plans), PLFX_E_SIZE, PLFX_E_RANGE (the
  * table needs more open rows). */

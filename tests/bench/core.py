@@ -38,7 +38,7 @@ Cfg = struct('Cfg', method=c.c_uint8, cost=c.c_uint8, fit=c.c_uint8, fuse=c.c_ui
              window=c.c_uint8, bits=c.c_uint8, ref=c.c_uint8, n=c.c_uint8,
              labels=c.c_uint16, texture=c.c_uint16, unique=c.c_uint16, lo=c.c_int32,
              hi=c.c_int32, at=Offset * 128)
-StreamCfg = struct('StreamCfg', plan=c.c_void_p, lut=c.c_void_p, tone=Tone,
+StreamCfg = struct('StreamCfg', plan=c.c_void_p, lut=c.c_void_p, frame=c.c_void_p, tone=Tone,
                    profile=c.c_uint8, white=c.c_uint8, format=c.c_uint8, bits=c.c_uint8,
                    open_rows=c.c_int32, j0=c.c_int32, j1=c.c_int32)
 
@@ -118,7 +118,7 @@ class Stream:
         core.must(lib.plfx_plan_init(self.plan, c.byref(cfg), core.lut, LENSES_X, LENSES_Y))
         tone = unity(12)
         rows = lib.plfx_stream_open_rows(core.lut, self.plan, c.byref(tone))
-        self.cfg = StreamCfg(c.addressof(self.plan), c.addressof(core.lut), tone, profile, 0,
+        self.cfg = StreamCfg(c.addressof(self.plan), c.addressof(core.lut), None, tone, profile, 0,
                              FORMAT_U16, 12, rows, 0, LENSES_Y)
         self.bytes = lib.plfx_stream_ws(c.byref(self.cfg))
         self.room, at = aligned(self.bytes)

@@ -24,6 +24,8 @@ CASES = {  # name in plenofix bench: functions, cells
     'NCC 640x480 17 labels 9x9': (['plfx_sweep'], 640 * 480 * 17),
     'stream 5 views fast': (['plfx_stream_push', 'plfx_stream_pop'], SENSOR * 17),
     'stream 5 views small': (['plfx_stream_push', 'plfx_stream_pop'], SENSOR * 17),
+    'stream 9 views fast': (['plfx_stream_push', 'plfx_stream_pop'], SENSOR * 17),
+    'stream 8 views by arms': (['plfx_stream_push', 'plfx_stream_pop'], SENSOR * 17),
     'decode 13x13 views': (['plfx_view_all'], SENSOR * 169),
 }
 
