@@ -3,15 +3,15 @@
 #include "fix.h"
 #include "mend.h"
 #include "sure.h"
-#include "taps.h"
+#include "view_run.h"
 
-#define LANES 8 /* lenses of a block */
+#define LANES PLFX_RUN_LENSES /* of a block */
 #define BAND  4 /* lens rows: their sensor rows stay in the second-level cache */
 #if PLFX_LANES >= 8
-#define RUN   3  /* views side by side from which they are sampled at once, */
-#define SIDE  16 /* so many at most */
-#define CHUNK 40 /* views sampled from a band of lens rows before the next */
-#else            /* small cores: view by view, little code and stack */
+#define RUN   3 /* views side by side from which they are sampled at once, */
+#define SIDE  PLFX_RUN_VIEWS /* so many at most */
+#define CHUNK 182 /* views whose displacements are held at once: all of 13 x 13 */
+#else             /* small cores: view by view, little code and stack */
 #define SIDE  1
 #define CHUNK 16
 #endif
@@ -50,6 +50,7 @@ typedef struct sampler { /* what is the same for every lens of a call */
     int16_t x_px[CHUNK], y_px[CHUNK];
     uint16_t x_u16[CHUNK + SIDE], y_u16[CHUNK + SIDE];
     uint8_t run[CHUNK]; /* views from this one on that lie side by side, SIDE at most */
+    plfx_point least, most; /* of the displacements */
 } sampler;
 
 static plfx_point shift_of(const sampler *s, int32_t k)
@@ -64,6 +65,8 @@ static plfx_point shift_of(const sampler *s, int32_t k)
 typedef struct block { /* lenses side by side: centres and their bounds */
     int32_t x_q16[LANES], y_q16[LANES];
     plfx_point least, most;
+    int32_t
+        inside; /* 1: no tap of any view leaves the sensor, nor pixels read beside */
 } block;
 
 static int32_t tone_ok(const plfx_tone *t)
@@ -195,143 +198,122 @@ static int32_t inside(const sampler *s, const block *b, plfx_point first,
            plfx_asr_i32(end, 16) + 1 < s->h;
 }
 
-/* Means along SIDE pairs of neighbours at px, 16 bits: view.h's h in 16-bit steps.
- * With g = f - 128, d = q - p under 2^12, k = bits - 8, up = 15 - bits:
- *   (p*256 + d*f + half) >> k = ((p + q) << up) + ((d*g + half) >> k)
- * and the last term is the rounded product of d << up and g << 8, both signed 16;
- * scale = 2^up, because a shift by a variable is done in wider lanes. */
-static inline void along_run(const uint16_t *restrict px, const int16_t *restrict g,
-                             uint16_t scale, uint16_t *restrict h)
+/* 1: pixels of n views do not lie side by side for some lens, displaced by `first` ..
+ * `last`: then `apart` tells which.  Displacements are a straight line, rounded: when
+ * the last view's pixel is n-1 beside the first one's, so are those between. */
+static int32_t parted(const block *b, plfx_point first, plfx_point last, int32_t n,
+                      int32_t *restrict apart)
 {
-    int32_t i;
-
-    PLFX_LANE_LOOP(i, SIDE)
-    {
-        uint16_t p = px[i];
-        uint16_t q = px[i + 1];
-        uint16_t sum = (uint16_t)(p + q);
-        uint16_t less = (uint16_t)(q - p);
-        int16_t d = (int16_t)(uint16_t)(less * scale);
-        int16_t e = (int16_t)plfx_asr_i32(plfx_asr_i32(d * g[i], 14) + 1, 1);
-        h[i] = (uint16_t)((uint16_t)(sum * scale) + (uint16_t)e);
-    }
-}
-
-/* Views side by side of one lens: their pixels lie side by side as well, px the first.
- * Toned unless gains are still to come. */
-static inline void sample_run(const sampler *s, plfx_point c, int32_t k,
-                              const uint16_t *restrict px, uint16_t *restrict out)
-{
-    const uint16_t *restrict sx = s->x_u16 + k;
-    const uint16_t *restrict sy = s->y_u16 + k;
-    uint16_t cx = (uint16_t)((uint32_t)c.x_q16 & 65535u);
-    uint16_t cy = (uint16_t)((uint32_t)c.y_q16 & 65535u);
-    uint16_t scale = (uint16_t)(128u >> s->down);
-    plfx_curve curve = s->curve;
-    int16_t g[SIDE];
-    uint16_t f[SIDE];
-    uint16_t upper[SIDE];
-    uint16_t lower[SIDE];
-    uint32_t v[SIDE];
-    int32_t i;
-
-    PLFX_LANE_LOOP(i, SIDE)
-    {
-        g[i] = (int16_t)(((uint16_t)(cx + sx[i]) & 0xff00u) ^ 0x8000u);
-        f[i] = (uint16_t)((uint16_t)(cy + sy[i]) >> 8);
-    }
-    along_run(px, g, scale, upper);
-    along_run(px + s->w, g, scale, lower);
-    PLFX_LANE_LOOP(i, SIDE)
-    {
-        v[i] = plfx_across(upper[i], lower[i], f[i]);
-    }
-    if (!s->white) {
-        PLFX_LANE_LOOP(i, SIDE)
-        {
-            v[i] = plfx_toned(curve, v[i]);
-        }
-    }
-    PLFX_LANE_LOOP(i, SIDE)
-    {
-        out[i] = (uint16_t)v[i];
-    }
-}
-
-/* The same one by one, where a fraction of a pixel parts the views. */
-static void sample_parted(const sampler *s, plfx_point c, int32_t k, int32_t n,
-                          uint16_t *out)
-{
-    int32_t i;
-
-    for (i = 0; i < n; i++) {
-        plfx_point d = shift_of(s, k + i);
-        uint32_t v = sample_at(s, c.x_q16 + d.x_q16, c.y_q16 + d.y_q16);
-        out[i] = (uint16_t)(s->white ? v : plfx_toned(s->curve, v));
-    }
-}
-
-/* 1: pixels of n views do not lie side by side for the lens at c, displaced by `first`
- * .. `last`.  Displacements are a straight line, rounded: when the last view's pixel is
- * n-1 beside the first one's, so are those between. */
-static int32_t parted(plfx_point c, plfx_point first, plfx_point last, int32_t n)
-{
-    return plfx_asr_i32(c.x_q16 + last.x_q16, 16) -
-                   plfx_asr_i32(c.x_q16 + first.x_q16, 16) !=
-               n - 1 ||
-           plfx_asr_i32(c.y_q16 + last.y_q16, 16) !=
-               plfx_asr_i32(c.y_q16 + first.y_q16, 16);
-}
-
-/* n views from view k on of all lenses of a block, [lens][view]. */
-static void sample_tile(const sampler *s, const block *b, int32_t k, int32_t n,
-                        uint16_t (*restrict tile)[SIDE])
-{
-    plfx_point first = shift_of(s, k);
-    plfx_point last = shift_of(s, k + n - 1);
-    const uint16_t *px = s->px;
-    int32_t at[LANES]; /* the first view's pixel */
+    int32_t any = 0;
     int32_t l;
 
     PLFX_LANE_LOOP(l, LANES)
     {
-        at[l] = plfx_asr_i32(b->y_q16[l] + first.y_q16, 16) * s->w +
-                plfx_asr_i32(b->x_q16[l] + first.x_q16, 16);
+        int32_t x = plfx_asr_i32(b->x_q16[l] + last.x_q16, 16) -
+                    plfx_asr_i32(b->x_q16[l] + first.x_q16, 16) - (n - 1);
+        int32_t y = plfx_asr_i32(b->y_q16[l] + last.y_q16, 16) -
+                    plfx_asr_i32(b->y_q16[l] + first.y_q16, 16);
+        apart[l] = (x != 0) | (y != 0);
+        any |= apart[l];
     }
-    for (l = 0; l < LANES; l++) {
-        plfx_point c = {b->x_q16[l], b->y_q16[l]};
-        sample_run(s, c, k, px + at[l], tile[l]);
-    }
-    for (l = 0; l < LANES; l++) {
-        plfx_point c = {b->x_q16[l], b->y_q16[l]};
-        if (parted(c, first, last, n)) {
-            sample_parted(s, c, k, n, tile[l]);
+    return any;
+}
+
+/* Views of the lens at c whose pixels do not lie in line with the first view's: with
+ * the last one's, sampled into `other`, or with neither. */
+static void mend_parted(const sampler *s, plfx_point c, int32_t k, int32_t n,
+                        const uint16_t *other, uint16_t *out)
+{
+    plfx_point first = shift_of(s, k);
+    plfx_point last = shift_of(s, k + n - 1);
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        plfx_point d = shift_of(s, k + i);
+        int32_t x = plfx_asr_i32(c.x_q16 + d.x_q16, 16) - i;
+        int32_t y = plfx_asr_i32(c.y_q16 + d.y_q16, 16);
+        if (x == plfx_asr_i32(c.x_q16 + first.x_q16, 16) &&
+            y == plfx_asr_i32(c.y_q16 + first.y_q16, 16)) {
+            continue;
+        }
+        if (x == plfx_asr_i32(c.x_q16 + last.x_q16, 16) - (n - 1) &&
+            y == plfx_asr_i32(c.y_q16 + last.y_q16, 16)) {
+            out[i] = other[i];
+        } else {
+            uint32_t v = sample_at(s, c.x_q16 + d.x_q16, c.y_q16 + d.y_q16);
+            out[i] = (uint16_t)(s->white ? v : plfx_toned(s->curve, v));
         }
     }
 }
 
-/* The same, turned into rows of the views. */
+/* Samples of a block whose views `apart` does not leave side by side. */
+static void mend_block(const sampler *s, const block *b, int32_t k, int32_t n,
+                       const plfx_view_run *run, const int32_t *apart,
+                       uint16_t (*restrict tile)[SIDE])
+{
+    uint16_t other[LANES][SIDE];
+    plfx_view_run from_last = *run;
+    int32_t l;
+
+    from_last.first = shift_of(s, k + n - 1);
+    from_last.first.x_q16 -= (n - 1) * 65536;
+    plfx_view_tile(&from_last, other);
+    for (l = 0; l < LANES; l++) {
+        plfx_point c = {b->x_q16[l], b->y_q16[l]};
+        if (apart[l]) {
+            mend_parted(s, c, k, n, other[l], tile[l]);
+        }
+    }
+}
+
+static inline plfx_view_run run_at(const sampler *s, const block *b, int32_t k)
+{
+    plfx_view_run run;
+
+    run.px = s->px;
+    run.w = s->w;
+    run.x_q16 = b->x_q16;
+    run.y_q16 = b->y_q16;
+    run.first = shift_of(s, k);
+    run.x_u16 = s->x_u16 + k;
+    run.y_u16 = s->y_u16 + k;
+    run.down = s->down;
+    run.toned = !s->white;
+    run.curve = s->curve;
+    return run;
+}
+
+/* n views from view k on of all lenses of a block, turned into rows of the views. */
 static void fill_run(const sampler *s, const block *b, int32_t k, int32_t n,
                      uint16_t *to)
 {
     size_t nx = (size_t)s->lut->lattice.nx;
     uint16_t tile[LANES][SIDE];
+    int32_t apart[LANES];
+    plfx_view_run run = run_at(s, b, k);
+    int32_t any = parted(b, run.first, shift_of(s, k + n - 1), n, apart);
     int32_t i;
     int32_t l;
 
-    sample_tile(s, b, k, n, tile);
-    for (i = 0; i < n && !s->white; i++) {
-        uint16_t *restrict row = to + (size_t)i * nx;
-        for (l = 0; l < LANES; l++) {
-            row[l] = tile[l][i];
-        }
+    plfx_view_tile(&run, tile);
+    if (any) {
+        mend_block(s, b, k, n, &run, apart, tile);
     }
-    for (i = 0; i < n && s->white; i++) {
+    if (run.toned) {
+        plfx_view_turn(tile, n, to, nx);
+        return;
+    }
+    for (i = 0; i < n; i++) {
         uint16_t *restrict row = to + (size_t)i * nx;
         for (l = 0; l < LANES; l++) {
             row[l] = (uint16_t)plfx_toned_white(s->curve, tile[l][i], row[l]);
         }
     }
+}
+
+static int32_t all_inside(const sampler *s, const block *b)
+{
+    return inside(s, b, s->least, s->most, SIDE + 1);
 }
 
 /* From view k on as many as lie side by side, at once where the block allows it. */
@@ -341,7 +323,8 @@ static int32_t fill_some(const sampler *s, const block *b, int32_t k, int32_t m,
     int32_t run = s->run[k];
 
     if (run >= RUN && m == LANES && s->fine &&
-        inside(s, b, shift_of(s, k), shift_of(s, k + run - 1), SIDE + 1 - run)) {
+        (b->inside ||
+         inside(s, b, shift_of(s, k), shift_of(s, k + run - 1), SIDE + 1 - run))) {
         fill_run(s, b, k, run, to);
         return run;
     }
@@ -349,6 +332,13 @@ static int32_t fill_some(const sampler *s, const block *b, int32_t k, int32_t m,
     return 1;
 }
 #else
+static int32_t all_inside(const sampler *s, const block *b)
+{
+    (void)s;
+    (void)b;
+    return 0;
+}
+
 static int32_t fill_some(const sampler *s, const block *b, int32_t k, int32_t m,
                          uint16_t *to)
 {
@@ -385,6 +375,7 @@ static void fill_row(const sampler *s, const plfx_offset *at, int32_t n, int32_t
     for (i = 0; i < nx; i += LANES) {
         int32_t m = plfx_min_i32(LANES, nx - i);
         place_block(s->lut, i, m, j, &b);
+        b.inside = all_inside(s, &b);
         fill_views(s, &b, n, m, rows + i);
     }
     for (k = 0; k < n; k++) {
@@ -433,6 +424,10 @@ static void aim(sampler *s, const plfx_tone *tone, const plfx_offset *at, int32_
         s->x_u16[i] = (uint16_t)((uint32_t)d.x_q16 & 65535u);
         s->y_u16[i] = (uint16_t)((uint32_t)d.y_q16 & 65535u);
         s->run[i] = (uint8_t)run_of(at + i, n - i);
+        s->least.x_q16 = i ? plfx_min_i32(s->least.x_q16, d.x_q16) : d.x_q16;
+        s->least.y_q16 = i ? plfx_min_i32(s->least.y_q16, d.y_q16) : d.y_q16;
+        s->most.x_q16 = i ? plfx_max_i32(s->most.x_q16, d.x_q16) : d.x_q16;
+        s->most.y_q16 = i ? plfx_max_i32(s->most.y_q16, d.y_q16) : d.y_q16;
     }
     for (; i < n + SIDE; i++) { /* read with the last views, not used */
         s->x_u16[i] = 0;
