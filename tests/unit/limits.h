@@ -8,6 +8,8 @@
 
 #include "suite.h"
 
+#include "plenofix/base.h"
+
 #define LIMITS_BYTES 65536 /* of the largest structure of arguments */
 
 typedef struct limit {
@@ -84,6 +86,13 @@ static inline int32_t marked(const void *p, size_t n)
         }
     }
     return 1;
+}
+
+/* The status of a call; n bytes of its output are as marked if it refused. */
+static inline int32_t kept(int32_t status, const void *p, size_t n)
+{
+    assert_true(status == PLFX_OK || marked(p, n));
+    return status;
 }
 
 #endif

@@ -13,6 +13,14 @@
 
 #include <cmocka.h>
 
+/* The first place in memory where a workspace may start; 63 bytes at most are lost. */
+static inline void *aligned(void *memory)
+{
+    uint8_t *p = memory;
+
+    return p + (64u - (uintptr_t)p % 64u) % 64u;
+}
+
 /* main() of a file: TAP on stdout, one group. */
 #define SUITE(tests)                                                                   \
     int main(void)                                                                     \

@@ -27,13 +27,6 @@ static uint32_t random_next(void)
     return seed >> 8;
 }
 
-static void *room(void)
-{
-    uint8_t *p = (uint8_t *)memory;
-
-    return p + (64u - (uintptr_t)p % 64u) % 64u;
-}
-
 static void setup(int32_t preset)
 {
     static const plfx_offset cross[N] = {
@@ -105,7 +98,7 @@ static plfx_frame_state opened(const plfx_lut *table)
     assert_int_equal(plfx_plan_init(&plan, &cfg, table, NX, NY), PLFX_OK);
     assert_int_equal(plfx_frame_derive(&s, &plan, &fcfg, NULL), PLFX_OK);
     assert_true(plfx_frame_carve(&s, NULL) <= sizeof memory - 64);
-    (void)plfx_frame_carve(&s, room());
+    (void)plfx_frame_carve(&s, aligned(memory));
     plfx_frame_tables(&s, NULL);
     plfx_frame_load(&s, &views);
     return s;
@@ -263,9 +256,9 @@ static uint8_t flags_with(uint16_t unique, uint16_t texture)
     cfg.unique_u16 = unique;
     cfg.texture = texture;
     assert_int_equal(plfx_plan_init(&plan, &cfg, NULL, NX, NY), PLFX_OK);
-    assert_int_equal(
-        plfx_frame(&plan, &fcfg, &views, NULL, &map, room(), sizeof memory - 64),
-        PLFX_OK);
+    assert_int_equal(plfx_frame(&plan, &fcfg, &views, NULL, &map, aligned(memory),
+                                sizeof memory - 64),
+                     PLFX_OK);
     return flags[NX * (NY / 2) + NX / 2];
 }
 

@@ -14,7 +14,7 @@ static unsigned char memory[NX * 48 + 16 * 128 + 64 + 16 * NX * 2];
 
 static unsigned char *workspace(void)
 {
-    return memory + (64 - (uintptr_t)memory % 64) % 64;
+    return aligned(memory);
 }
 
 static plfx_map map(void)

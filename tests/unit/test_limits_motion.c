@@ -159,15 +159,15 @@ static void opened_by_hand(void **state)
     assert_int_equal(plfx_packet_get_health(&p, &health), ARG);
 }
 
+/* 200 samples a second at 5 Hz. */
+static const plfx_modal_cfg channel = {200000, 5000000, 8, 100, 8};
+
 static int32_t call_modal(void *args)
 {
     static plfx_modal m;
-    plfx_status status;
 
     mark(&m, sizeof m);
-    status = plfx_modal_init(&m, args);
-    assert_true(status == OK || marked(&m, sizeof m));
-    return status;
+    return kept(plfx_modal_init(&m, args), &m, sizeof m);
 }
 
 static void modal_configuration(void **state)
@@ -195,16 +195,10 @@ static void modal_configuration(void **state)
         M(mean_log2, 17, ARG),
     };
 #undef M
-    plfx_modal_cfg cfg;
+    plfx_modal_cfg cfg = channel;
     static plfx_modal m;
 
     (void)state;
-    memset(&cfg, 0, sizeof cfg);
-    cfg.rate_mhz = 200000;
-    cfg.freq_uhz = 5000000;
-    cfg.every = 8;
-    cfg.block = 100;
-    cfg.mean_log2 = 8;
     limits(&cfg, sizeof cfg, table, COUNT(table), call_modal);
     assert_int_equal(plfx_modal_init(NULL, &cfg), ARG);
     assert_int_equal(plfx_modal_init(&m, NULL), ARG);
@@ -217,16 +211,9 @@ static void modal_watch_arguments(void **state)
 {
     static plfx_modal m;
     static plfx_modal_watch w;
-    plfx_modal_cfg cfg;
 
     (void)state;
-    memset(&cfg, 0, sizeof cfg);
-    cfg.rate_mhz = 200000;
-    cfg.freq_uhz = 5000000;
-    cfg.every = 8;
-    cfg.block = 100;
-    cfg.mean_log2 = 8;
-    assert_int_equal(plfx_modal_init(&m, &cfg), OK);
+    assert_int_equal(plfx_modal_init(&m, &channel), OK);
     mark(&w, sizeof w);
     assert_int_equal(plfx_modal_watch_init(NULL, &m, 10000, 20000, 2560), ARG);
     assert_int_equal(plfx_modal_watch_init(&w, NULL, 10000, 20000, 2560), ARG);
@@ -351,9 +338,7 @@ static uint64_t memory[30000];
 
 static uint8_t *room(void)
 {
-    uint8_t *p = (uint8_t *)memory;
-
-    return p + (64u - (uintptr_t)p % 64u) % 64u;
+    return aligned(memory);
 }
 
 static void make_cfg(void)

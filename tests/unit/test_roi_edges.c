@@ -110,12 +110,11 @@ static void raw_cfg(void)
 /* The rest state is what is drawn now. */
 static void rest(void)
 {
-    uint8_t *at = (uint8_t *)memory;
     int32_t k;
 
-    at += (64u - (uintptr_t)at % 64u) % 64u;
     assert_true(plfx_roi_ws(&cfg) <= sizeof memory - 64u);
-    assert_int_equal(plfx_roi_init(&roi, &cfg, at, sizeof memory - 64u), PLFX_OK);
+    assert_int_equal(plfx_roi_init(&roi, &cfg, aligned(memory), sizeof memory - 64u),
+                     PLFX_OK);
     for (k = 0; k < cfg.rest; k++) {
         assert_int_equal(plfx_roi_rest(&roi, &still), PLFX_OK);
     }

@@ -23,11 +23,6 @@ static plfx_plan plan;
 static plfx_tone tone;
 static int32_t whole[NX * NY], got[NX * NY];
 
-static void *room(void)
-{
-    return (uint8_t *)memory + (64 - (uintptr_t)memory % 64) % 64;
-}
-
 static void describe(void)
 {
     int32_t k;
@@ -108,13 +103,13 @@ static void stream_equals_whole(int32_t open)
     int32_t profile;
 
     assert_int_equal(plfx_view_all(&lut, &raw, &tone, plan.cfg.at, 0, &v), PLFX_OK);
-    assert_int_equal(plfx_sweep(&plan, &v, &m, room(), ROOM - 64), PLFX_OK);
+    assert_int_equal(plfx_sweep(&plan, &v, &m, aligned(memory), ROOM - 64), PLFX_OK);
     for (profile = 0; profile < 2; profile++) {
         plfx_stream_cfg c = stream_cfg(profile, open);
         plfx_stream s;
         int32_t rows = 0;
         int32_t y;
-        assert_int_equal(plfx_stream_init(&s, &c, room(), ROOM - 64), PLFX_OK);
+        assert_int_equal(plfx_stream_init(&s, &c, aligned(memory), ROOM - 64), PLFX_OK);
         memset(got, 0x5a, sizeof got);
         for (y = 0; y < H; y++) {
             plfx_raw_row row;
@@ -171,12 +166,14 @@ static void rows_that_overlap_are_open_together(void **state)
     stream_equals_whole(open);
     c = stream_cfg(0, open - 1);
     assert_true(plfx_stream_ws(&c) > 0);
-    assert_int_equal(plfx_stream_init(&s, &c, room(), ROOM - 64), PLFX_E_RANGE);
+    assert_int_equal(plfx_stream_init(&s, &c, aligned(memory), ROOM - 64),
+                     PLFX_E_RANGE);
     desc.lattice.a.y_q22 = LENS << 22; /* eleven rows a row */
     desc.lattice.origin.y_q16 = 0;
     assert_int_equal(open_rows(), 0);
     c = stream_cfg(0, PLFX_STREAM_OPEN_MAX);
-    assert_int_equal(plfx_stream_init(&s, &c, room(), ROOM - 64), PLFX_E_RANGE);
+    assert_int_equal(plfx_stream_init(&s, &c, aligned(memory), ROOM - 64),
+                     PLFX_E_RANGE);
 }
 
 /* One lens far up in its row begins before the row above it does; one far down ends

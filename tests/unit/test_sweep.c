@@ -22,7 +22,7 @@ static planes got, want;
 
 static unsigned char *workspace(void)
 {
-    return ws_memory + (64 - (uintptr_t)ws_memory % 64) % 64;
+    return aligned(ws_memory);
 }
 
 static plfx_map map_of(planes *p, const plfx_plan *plan)

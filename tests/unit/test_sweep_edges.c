@@ -19,11 +19,6 @@ typedef struct planes {
 } planes;
 static planes got, want;
 
-static void *workspace(void)
-{
-    return (uint8_t *)memory + (64 - (uintptr_t)memory % 64) % 64;
-}
-
 static plfx_map map_of(planes *p, const plfx_plan *plan)
 {
     plfx_map m = {p->slope, p->conf, NULL, p->flags, plan->nx, plan->ny, plan->nx};
@@ -54,7 +49,7 @@ static void sweep(const plfx_plan *plan, planes *to)
     plfx_views v = {samples, plan->nx, plan->ny, plan->cfg.n};
     plfx_map m = map_of(to, plan);
 
-    assert_int_equal(plfx_sweep(plan, &v, &m, workspace(), WS_BYTES - 64), PLFX_OK);
+    assert_int_equal(plfx_sweep(plan, &v, &m, aligned(memory), WS_BYTES - 64), PLFX_OK);
 }
 
 static void against_reference(const plfx_plan *plan, uint32_t seed)
@@ -136,7 +131,8 @@ static void maps_without_confidence(void **state)
                 assert_int_equal(plfx_plan_init(&plan, &c, NULL, 40, NY), PLFX_OK);
                 sweep(&plan, &want);
                 assert_int_equal(
-                    plfx_sweep(&plan, &v, &bare, workspace(), WS_BYTES - 64), PLFX_OK);
+                    plfx_sweep(&plan, &v, &bare, aligned(memory), WS_BYTES - 64),
+                    PLFX_OK);
                 assert_memory_equal(got.slope, want.slope, 40 * NY * sizeof(int32_t));
             }
         }
