@@ -1,16 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Mutation score of the kernels: of faults put into them, how many do the tests see?
 
-usage: mutation.py [N]            N mutants (default 80) of the kernels, drawn with a fixed
-                                  seed; at least 95 % must be seen, the rest are argued in
-                                  tests/mutants.txt
+usage: mutation.py [N [FIRST]]    N mutants (default 120) of the kernels, from number FIRST
+                                  (0) of the order; at least 95 % must be seen or argued
+                                  in tests/mutants.txt
+       mutation.py --note         the same, and the counts into tests/mutation.csv
        mutation.py --report FILE  judge a list of survivors made before
 
 Mutants are made by universalmutator (from PyPI, into build-ci/venv) and tried in a copy of
 the tree under build-ci/mutants.  One whose object code equals the original's is no
-mutant.  A line of tests/mutants.txt: file | line as it is | line as mutated | reason."""
+mutant.  Their order is that of a hash of file, function, line and mutated line: a change
+elsewhere leaves the sample as it is.  A line of tests/mutants.txt:
+file:function | line as it is | line as mutated | reason."""
+import collections
+import hashlib
+import os
 import pathlib
-import random
+import re
 import shutil
 import subprocess
 import sys
@@ -20,10 +26,13 @@ import common
 FOLDER = common.ROOT / 'build-ci' / 'mutants'
 VENV = common.ROOT / 'build-ci' / 'venv'
 ARGUED = common.ROOT / 'tests' / 'mutants.txt'
-KERNELS = ['depth.c', 'fuse.c', 'kernels.c', 'refocus.c', 'sample.c', 'select.c',
-           'texture.c', 'winner.c', 'winner_row.c']
-TESTS = ['select', 'fuse', 'depth', 'refocus', 'sweep', 'golden', 'frame', 'lanes']
-LEAST, SEED = 0.95, 20
+KERNELS = ['depth.c', 'fuse.c', 'kernels.c', 'kernels_pair.c', 'refocus.c', 'sample.c',
+           'select.c', 'sweep_zncc.c', 'texture.c', 'winner.c', 'winner_row.c',
+           'zncc_lanes.c', 'zncc_rows.c']
+TESTS = ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'golden', 'frame',
+         'lanes']
+LEAST = 0.95
+COUNTS = common.ROOT / 'tests' / 'mutation.csv'
 
 
 def tool():
@@ -49,14 +58,22 @@ def prepare():
 
 
 def mutants(tree):
-    """(file, mutated text), all of them."""
-    every = []
+    """(hash, file, where, line, mutated line, mutated text) of all, in order."""
+    every, seen = [], collections.Counter()
+    os.chdir(FOLDER)  # where the tool leaves its files
     for name in KERNELS:
         folder = FOLDER / 'made' / name
         folder.mkdir(parents=True)
         common.run(tool(), tree / 'src' / name, 'c', '--noCheck', '--mutantDir', folder)
-        every += [(name, p) for p in sorted(folder.glob('*.c'))]
-    return every
+        original = (tree / 'src' / name).read_text()
+        # numbers of mutants are made without leading zeros
+        for path in sorted(folder.glob('*.c'), key=lambda p: (len(p.name), p.name)):
+            text = path.read_text()
+            where = changed(name, original, text)
+            seen[where] += 1
+            key = ' | '.join(where) + f' | {seen[where]}'
+            every.append((hashlib.sha256(key.encode()).hexdigest(), name, where, text))
+    return sorted(every)
 
 
 def objects(tree, name, folder):
@@ -83,34 +100,36 @@ def verdict(tree, name):
     return 'missed'
 
 
-def changed(original, mutant):
+def changed(name, original, mutant):
+    """file:function, line, mutated line."""
+    function = ''
     for a, b in zip(original.splitlines(), mutant.splitlines()):
+        head = re.match(r'(?:[a-z]\w*[ *]+)+(\w+)\(', a)
+        function = head[1] if head else function
         if a != b:
-            return a.strip(), b.strip()
-    return '', ''
+            return f'{name}:{function}', a.strip(), b.strip()
+    return name, '', ''
 
 
-def run(count):
+def run(count, first):
     tree = prepare()
-    every = mutants(tree)
-    random.Random(SEED).shuffle(every)
     tried, survivors = 0, []
     with common.scratch() as folder:
         plain = {n: objects(tree, n, folder) for n in KERNELS}
-        for name, path in every:
-            if tried == count:
-                break
+        for _, name, where, text in mutants(tree):
             source = tree / 'src' / name
             original = source.read_text()
-            source.write_text(path.read_text())
+            source.write_text(text)
             code = objects(tree, name, folder)
             if code is not None and code != plain[name]:
                 tried += 1
-                if verdict(tree, name) == 'missed':
-                    survivors.append((name, *changed(original, path.read_text())))
-                    print('missed: ' + ' | '.join(survivors[-1]), flush=True)
+                if tried > first and verdict(tree, name) == 'missed':
+                    survivors.append(where)
+                    print(f'missed ({tried}): ' + ' | '.join(where), flush=True)
             source.write_text(original)
-    return tried, survivors
+            if tried == first + count:
+                break
+    return tried - first, survivors
 
 
 def argued():
@@ -128,15 +147,20 @@ def report(path):
     return int(head), [tuple(w.strip() for w in line.split(' | ')) for line in rest]
 
 
-args = sys.argv[1:]
+args = [a for a in sys.argv[1:] if a != '--note']
 tried, survivors = report(args[1]) if args[:1] == ['--report'] else run(
-    int(args[0]) if args else 80)
+    *([int(a) for a in args] + [120, 0][len(args):]))
 known = argued()
 findings = [f'{" | ".join(s)}: not seen by a test, not argued' for s in survivors
             if s not in known]
 score = (tried - len(findings)) / tried
-print(f'mutants: {tried} tried, {tried - len(survivors)} seen, '
-      f'{len(survivors) - len(findings)} argued, score {score:.3f}')
+counts = tried, tried - len(survivors), len(survivors) - len(findings)
+print(f'mutants: {counts[0]} tried, {counts[1]} seen, {counts[2]} argued, '
+      f'score {score:.3f}')
+if '--note' in sys.argv:
+    COUNTS.write_text('# Faults put into the kernels; written by\n'
+                      '# python3 .ci/checks/mutation.py --note\n'
+                      'tried,seen,argued\n' + ','.join(map(str, counts)) + '\n')
 if score >= LEAST:
     for f in findings:
         print(f)

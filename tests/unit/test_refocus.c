@@ -60,6 +60,8 @@ static void bad_arguments(void **state)
     assert_int_equal(plfx_refocus(&p, &v, 0, NULL), PLFX_E_ARG);
     assert_int_equal(plfx_refocus(&p, &v, (8 << 16) + 1, &image), PLFX_E_ARG);
     assert_int_equal(plfx_refocus(&p, &v, -(8 << 16) - 1, &image), PLFX_E_ARG);
+    assert_int_equal(plfx_refocus(&p, &v, 8 << 16, &image), PLFX_OK);
+    assert_int_equal(plfx_refocus(&p, &v, -(8 << 16), &image), PLFX_OK);
     image.stride = NX - 1;
     assert_int_equal(plfx_refocus(&p, &v, 0, &image), PLFX_E_ARG);
     image.stride = NX;

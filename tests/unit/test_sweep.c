@@ -41,6 +41,11 @@ static void make_whole(plfx_cfg *c, ref_rng *rng)
         c->at[k].v_q8 = 0;
     }
     c->at[c->ref].u_q8 = 0;
+    if (c->n > 2 && ref_range(rng, 0, 1)) { /* one pair of another kind among them */
+        int32_t k = (c->ref + 1) % c->n;
+        c->at[k].v_q8 = (int16_t)(100 * ref_range(rng, 0, 3));
+        c->at[k].u_q8 = (int16_t)(c->at[k].u_q8 + 77);
+    }
     c->slope_min_q16 = 65536 * ref_range(rng, -2, 1);
     c->slope_max_q16 = c->slope_min_q16 + 65536 * (c->labels - 1);
 }
