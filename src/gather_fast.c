@@ -3,6 +3,7 @@
  * pixel loads.  A block is visited in the sensor rows that any of its lenses needs. */
 #include "gather.h"
 #include "bytes.h"
+#include "lut_rows.h"
 
 #define LANES PLFX_TAP_LANES
 
@@ -18,8 +19,7 @@ static void centres(const plfx_gather *g, int32_t j, const plfx_gather_lenses *t
                 odd * l->odd.x_q22 + 32;
     int64_t y = (int64_t)l->origin.y_q16 * 64 + (int64_t)j * l->b.y_q22 +
                 odd * l->odd.y_q22 + 32;
-    const uint8_t *r =
-        g->lut->blob + g->lut->resi.offset + 4 * ((size_t)j * (size_t)l->nx);
+    const uint8_t *r = plfx_lut_resi_row(g->lut, j);
     int64_t has = g->lut->resi.length > 0 ? 1024 : 0;
     int32_t i;
 

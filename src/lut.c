@@ -2,6 +2,7 @@
  * Opening a lens table, centres and flags. */
 #include "plenofix/lut.h"
 #include "lut_format.h"
+#include "lut_rows.h"
 #include "bytes.h"
 #include "crc32.h"
 #include "fix.h"
@@ -248,8 +249,7 @@ plfx_point plfx_lut_centre(const plfx_lut *lut, int32_t i, int32_t j)
     plfx_point c;
 
     if (lut->resi.length) {
-        const uint8_t *r =
-            lut->blob + lut->resi.offset + 4 * ((size_t)j * (size_t)l->nx + (size_t)i);
+        const uint8_t *r = plfx_lut_resi_row(lut, j) + 4 * (size_t)i;
         x += (int64_t)plfx_get_i16(r) * 1024;
         y += (int64_t)plfx_get_i16(r + 2) * 1024;
     }
@@ -263,8 +263,7 @@ uint32_t plfx_lut_flags(const plfx_lut *lut, int32_t i, int32_t j)
     if (lut->flag.length == 0) {
         return 0;
     }
-    return lut->blob[lut->flag.offset + (uint32_t)j * (uint32_t)lut->lattice.nx +
-                     (uint32_t)i];
+    return plfx_lut_flag_row(lut, j)[i];
 }
 
 /* |v| in q16; components under 2^31 are cut to q16 first. */

@@ -2,6 +2,7 @@
  * White gains: a profile over the micro-image, different from zone to zone of the
  * array, times one number a lens. */
 #include "lut_format.h"
+#include "lut_rows.h"
 #include "bytes.h"
 #include "fix.h"
 
@@ -75,8 +76,8 @@ static uint32_t column(const profile *q, uint32_t a, place y)
 static void fill(const plfx_lut *lut, int32_t j, const profile *q, uint16_t *gain)
 {
     int32_t nx = lut->lattice.nx;
-    const uint8_t *lens = q->zones + 2 * ((size_t)q->zx * q->zy * q->side * q->side +
-                                          (size_t)j * (size_t)nx);
+    size_t zones = (size_t)q->zx * q->zy * q->side * q->side;
+    const uint8_t *lens = plfx_lut_gains_row(lut, j, q->zones + 2 * zones);
     place y = between(j, lut->lattice.ny, q->zy);
     uint32_t at = q->zx; /* zone whose columns left, right are at hand */
     uint32_t left = 0;

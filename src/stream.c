@@ -3,6 +3,7 @@
 #include "arms_stream.h"
 #include "engine.h"
 #include "gather.h"
+#include "lut_rows.h"
 #include "store.h"
 #include "fix.h"
 
@@ -19,7 +20,11 @@ typedef struct state {
     plfx_arms_stream *arms; /* of ARMS */
     plfx_gather gather;
     int32_t below;  /* lens rows after its own that a map row waits for */
-    uint8_t *store; /* [store_depth] view rows at rest, small profile */
+    plfx_lut table; /* of a fed stream: its rows in the workspace */
+    uint8_t *rows;
+    int32_t fed_end;       /* lens rows before it were fed */
+    plfx_rows_span fed_to; /* farthest ends of their sensor rows */
+    uint8_t *store;        /* [store_depth] view rows at rest, small profile */
     int32_t store_depth;
     int32_t open_end;  /* lens rows before it are open or whole */
     int32_t whole_end; /* lens rows before it are whole */
@@ -71,9 +76,9 @@ static int32_t cfg_ok(const plfx_stream_cfg *c)
         return 0;
     }
     return c->plan->nx == c->lut->lattice.nx && c->plan->ny == c->lut->lattice.ny &&
-           method_ok(c) && c->tone.bits == c->plan->cfg.bits && c->open_rows >= 1 &&
-           c->open_rows <= PLFX_STREAM_OPEN_MAX && c->j0 >= 0 && c->j0 < c->j1 &&
-           c->j1 <= c->plan->ny;
+           c->fed <= 1 && method_ok(c) && c->tone.bits == c->plan->cfg.bits &&
+           c->open_rows >= 1 && c->open_rows <= PLFX_STREAM_OPEN_MAX && c->j0 >= 0 &&
+           c->j0 < c->j1 && c->j1 <= c->plan->ny;
 }
 
 /* Where the state is NULL, sizes alone are wanted. */
@@ -121,6 +126,23 @@ static void carve_gather(state *s, const plfx_stream_cfg *c, plfx_arena *a)
     plfx_gather_carve(s ? &s->gather : &dry, c, a);
 }
 
+/* Room for the rows of the table that are in use. */
+static void carve_rows(state *s, const plfx_stream_cfg *c, plfx_arena *a)
+{
+    size_t lenses = (size_t)c->open_rows * (size_t)c->lut->lattice.nx;
+    uint8_t *rows = c->fed ? plfx_take(a, lenses, PLFX_LUT_ROW_BYTES) : NULL;
+
+    if (s && rows) {
+        s->rows = rows;
+        s->table = *c->lut;
+        s->table.rows = rows;
+        s->table.held = c->open_rows;
+        s->table.resi.length = 1; /* there is one */
+        s->table.flag.length = 1;
+        s->gather.lut = &s->table;
+    }
+}
+
 /* The state itself comes first, then what it points to. */
 static void carve(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 {
@@ -129,6 +151,7 @@ static void carve(state *s, const plfx_stream_cfg *c, plfx_arena *a)
         memset(s, 0, sizeof *s);
     }
     carve_gather(s, c, a);
+    carve_rows(s, c, a);
     if (PLFX_STREAM_ARMS && is_arms(c)) {
         carve_arms(s, c, a);
     } else {
@@ -176,6 +199,7 @@ static void open_more(state *s)
 {
     int32_t end = plfx_min_i32(s->whole_end + s->gather.open, s->to);
 
+    end = s->rows ? plfx_min_i32(end, s->fed_end) : end;
     for (; s->open_end < end; s->open_end++) {
         plfx_gather_open(&s->gather, s->open_end);
     }
@@ -198,6 +222,9 @@ static void begin(plfx_stream *s)
     t->open_end = t->from;
     t->whole_end = t->from;
     t->store_end = t->from;
+    t->fed_end = t->from;
+    t->fed_to.lo = 0;
+    t->fed_to.hi = 0;
     open_more(t);
     s->y = 0;
     s->j = s->cfg.j0;
@@ -269,7 +296,7 @@ plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *w
     if (!ws || !plfx_aligned(ws) || ws_size < plfx_stream_ws(cfg)) {
         return PLFX_E_SIZE;
     }
-    open = plfx_stream_open_rows(cfg->lut, cfg->plan, &cfg->tone);
+    open = cfg->fed ? 1 : plfx_stream_open_rows(cfg->lut, cfg->plan, &cfg->tone);
     if (open == 0 || open > cfg->open_rows) {
         return PLFX_E_RANGE;
     }
@@ -288,9 +315,9 @@ void plfx_stream_rows(const plfx_stream *s, int32_t *first, int32_t *last)
     const state *t = s->state;
     int32_t j;
 
-    *first = INT32_MAX;
-    *last = -1;
-    for (j = t->from; j < t->to; j++) {
+    *first = t->rows && t->from < t->to ? 0 : INT32_MAX;
+    *last = t->rows && t->from < t->to ? s->cfg.lut->sensor_h - 1 : -1;
+    for (j = t->from; j < t->to && !t->rows; j++) {
         plfx_rows_span r = plfx_gather_span(&t->gather, j);
         *first = plfx_min_i32(*first, r.lo);
         *last = plfx_max_i32(*last, r.hi);
@@ -376,6 +403,84 @@ static void close_rows(plfx_stream *s)
     }
 }
 
+int32_t plfx_stream_wants(const plfx_stream *s)
+{
+    const state *t = s ? s->state : NULL;
+
+    if (!t || !t->rows || (s->started && s->ready > s->j)) {
+        return -1;
+    }
+    return t->fed_end < plfx_min_i32(t->whole_end + t->gather.open, t->to) ? t->fed_end
+                                                                           : -1;
+}
+
+static void put_u16(uint8_t *to, uint32_t v)
+{
+    to[0] = (uint8_t)(v & 255u);
+    to[1] = (uint8_t)(v >> 8 & 255u);
+}
+
+/* A lens row into its place, in the bytes of a table. */
+static void keep_row(state *t, int32_t j, const plfx_lens_row *row)
+{
+    int32_t nx = t->table.lattice.nx;
+    size_t held = (size_t)t->table.held * (size_t)nx;
+    size_t at = (size_t)(j % t->table.held) * (size_t)nx;
+    uint8_t *resi = t->rows + 4u * at;
+    uint8_t *flag = t->rows + 4u * held + at;
+    uint8_t *gain = t->rows + 5u * held + 2u * at;
+    int32_t i;
+
+    for (i = 0; i < nx; i++) {
+        put_u16(resi + 4 * i, row->resid_q12 ? (uint16_t)row->resid_q12[2 * i] : 0u);
+        put_u16(resi + 4 * i + 2,
+                row->resid_q12 ? (uint16_t)row->resid_q12[2 * i + 1] : 0u);
+        flag[i] = row->flags ? row->flags[i] : 0;
+        put_u16(gain + 2 * i, row->lens_gain_u13 ? row->lens_gain_u13[i] : 8192u);
+    }
+}
+
+/* Sensor rows of a lens row that was fed: none that went by, none before those of the
+ * rows above. */
+static int32_t in_order(const plfx_stream *s, state *t, int32_t j)
+{
+    plfx_rows_span r = plfx_gather_span(&t->gather, j);
+
+    if (r.hi < r.lo) {
+        return 1;
+    }
+    if (r.lo < t->fed_to.lo || r.hi < t->fed_to.hi || (s->started && r.lo < s->y)) {
+        return 0;
+    }
+    t->fed_to = r;
+    return 1;
+}
+
+plfx_status plfx_stream_feed(plfx_stream *s, int32_t j, const plfx_lens_row *row,
+                             int32_t *ready)
+{
+    state *t;
+
+    if (!s || !s->state || !row || !ready) {
+        return PLFX_E_ARG;
+    }
+    if (j < 0 || j != plfx_stream_wants(s)) {
+        return PLFX_E_STATE;
+    }
+    t = s->state;
+    keep_row(t, j, row);
+    if (!in_order(s, t, j)) {
+        return PLFX_E_RANGE;
+    }
+    t->fed_end++;
+    open_more(t);
+    if (s->started) {
+        close_rows(s);
+    }
+    *ready = s->started ? s->ready - s->j : 0;
+    return PLFX_OK;
+}
+
 static int32_t row_ok(const plfx_stream_cfg *c, const plfx_raw_row *row)
 {
     uint16_t probe;
@@ -413,7 +518,8 @@ plfx_status plfx_stream_push(plfx_stream *s, int32_t y, const plfx_raw_row *row,
         y >= s->cfg.lut->sensor_h) {
         return PLFX_E_ARG;
     }
-    if (!in_turn(s, y) || (s->started && s->ready > s->j)) {
+    if (plfx_stream_wants(s) >= 0 || !in_turn(s, y) ||
+        (s->started && s->ready > s->j)) {
         return PLFX_E_STATE;
     }
     t = s->state;
@@ -440,7 +546,8 @@ plfx_status plfx_stream_push_band(plfx_stream *s, int32_t y, const plfx_raw *ban
     }
     *used = 0;
     *ready = 0;
-    for (i = 0; i < band->h && *ready == 0; i++) {
+    for (i = 0; i < band->h && *ready == 0 && (i == 0 || plfx_stream_wants(s) < 0);
+         i++) {
         plfx_raw_row row;
         plfx_status status = plfx_raw_row_at(band, i, &row);
         if (status == PLFX_OK) {

@@ -55,6 +55,8 @@ typedef struct plfx_lut {
     int32_t radius_q8; /* usable radius, sensor pixels */
     uint32_t crc;      /* CRC-32 of the header: names the table in telemetry */
     plfx_section resi, flag, gain, dark, opti, meta;
+    const uint8_t *rows; /* NULL; inside a fed stream (stream.h) rows that were fed */
+    int32_t held;        /* so many */
 } plfx_lut;
 
 /* Validate a blob and fill `lut`: magic, version, sizes, directory, every CRC, steps

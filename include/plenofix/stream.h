@@ -4,14 +4,25 @@
  * is that of plfx_view_all() and plfx_sweep() to the bit, whatever the profile; of
  * plfx_frame() where the plan's method is ARMS.
  *
- *   plfx_stream_init(&s, &cfg, ws, size);
- *   for (y = 0; y < sensor_h; y++) {
+ *   plfx_plan_init(&plan, &what, &lut, lut.lattice.nx, lut.lattice.ny);
+ *   memset(&cfg, 0, sizeof cfg);
+ *   cfg.plan = &plan, cfg.lut = &lut, cfg.tone = plfx_tone_unity(plan.cfg.bits);
+ *   cfg.format = PLFX_RAW_MONO12P, cfg.bits = 12, cfg.j1 = plan.ny;
+ *   cfg.open_rows = plfx_stream_open_rows(&lut, &plan, &cfg.tone);
+ *   plfx_stream_init(&s, &cfg, ws, plfx_stream_ws(&cfg));   ws aligned to PLFX_ALIGN
+ *   for (y = 0; y < lut.sensor_h; y++) {
  *       plfx_stream_push(&s, y, &row, &ready);
  *       while (ready > 0) {
  *           plfx_stream_pop(&s, &j, &line, &ready);
  *       }
  *   }
- *   plfx_stream_finish(&s);          then plfx_stream_reset() for the next frame */
+ *   plfx_stream_finish(&s);          then plfx_stream_reset() for the next frame
+ *
+ * Map row j can be popped when lens row j + window/2 + b is whole, b the rows that
+ * views reach below their targets (0 when all lie along u); with ARMS 1 + median1/2
+ * rows later.  Most pushes gather taps alone; one that ends a lens row also brings its
+ * costs in, and a pop finds the winners of its row.  Nothing is kept outside `s` and
+ * `ws`; two streams may run on two threads. */
 #ifndef PLENOFIX_STREAM_H
 #define PLENOFIX_STREAM_H
 
@@ -23,7 +34,7 @@ extern "C" {
 
 typedef enum plfx_profile {
     PLFX_PROFILE_SMALL = 0, /* least memory: view rows at rest in 8 or 12 bits a sample,
-                               leaving costs computed again */
+                               leaving costs computed again; ARMS does so in both */
     PLFX_PROFILE_FAST       /* a ring of cost rows (SWEEP of 3 and more views) or of
                                striped view rows, cached lens centres */
 } plfx_profile;
@@ -41,6 +52,7 @@ typedef struct plfx_stream_cfg {
     uint8_t white;                      /* 1: the table's gains */
     uint8_t format;                     /* plfx_raw_format of the rows */
     uint8_t bits;                       /* significant bits of a raw pixel, 8 .. 16 */
+    uint8_t fed;       /* 1: rows of the table come by plfx_stream_feed() */
     int32_t open_rows; /* 1 .. PLFX_STREAM_OPEN_MAX, plfx_stream_open_rows() */
     int32_t j0, j1;    /* map rows wanted, 0 <= j0 < j1 <= ny */
 } plfx_stream_cfg;
@@ -66,7 +78,8 @@ int32_t plfx_stream_open_rows(const plfx_lut *lut, const plfx_plan *plan,
  * content. */
 size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
 
-/* An upper bound of plfx_stream_ws() for static buffers, from sizes alone:
+/* An upper bound of plfx_stream_ws() for static buffers, from sizes alone, 3 to 8 %
+ * over on a frame of 16 megapixels, more on small ones:
  *   nx, n, labels, window   as in the plan
  *   packed_w   pixels of a sensor row; 0 when rows are PLFX_RAW_U16
  *   pairs      n - 1 for PAIRS, 0 for SWEEP
@@ -125,25 +138,59 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
                      PLFX_STREAM_MORE(128u * (labels), 256u * (median) * (median))) +  \
                  (labels) * (3u * ((nx) + 2u) + 2u * (arms) * (nx)))
 
-/* PLFX_OK, PLFX_E_ARG (also NCC and GRADIENT plans), PLFX_E_SIZE, PLFX_E_RANGE (the
- * table needs more open rows). */
+/* PLFX_OK, PLFX_E_ARG (a field out of range; NCC and GRADIENT plans, which run on
+ * whole frames; settings of ARMS that do not stream), PLFX_E_SIZE (ws NULL, not aligned
+ * to PLFX_ALIGN, or shorter than plfx_stream_ws()), PLFX_E_RANGE (the table needs more
+ * open rows). */
 plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *ws,
                              size_t ws_size) PLFX_MUST_USE;
 
 /* First and last sensor row that the wanted map rows depend on; rows before the first
- * need not be pushed.  last < first: none at all. */
+ * need not be pushed.  last < first: none at all.  Of a fed table: all rows. */
 void plfx_stream_rows(const plfx_stream *s, int32_t *first, int32_t *last);
+
+/* A row of the lens table, from wherever it is kept. */
+typedef struct plfx_lens_row {
+    const int16_t *resid_q12;      /* [nx][2] residuals dx, dy; NULL: 0 */
+    const uint8_t *flags;          /* [nx] PLFX_LENS_*; NULL: 0 */
+    const uint16_t *lens_gain_u13; /* [nx], times the profiles of the table's GAIN
+                                      section, without which it is not read; NULL: 1 */
+} plfx_lens_row;
+
+/* A table that is not in memory as a whole (cfg.fed = 1): cfg.lut gives the lattice,
+ * the sensor and the profiles of white gains; its rows of residuals, flags and gains of
+ * lenses are not read but fed, in order, every frame anew:
+ *
+ *   while ((j = plfx_stream_wants(&s)) >= 0) {
+ *       plfx_stream_feed(&s, j, &lens_row, &ready);     then pop what is ready
+ *   }
+ *   plfx_stream_push(...)
+ *
+ * open_rows is found beforehand, with the whole table.  The workspace grows by
+ * PLFX_STREAM_FED_WS(). */
+#define PLFX_STREAM_FED_WS(nx, open) PLFX_ALIGNED(7u * (nx) * (open))
+
+/* Row of the table that is to be fed before another sensor row; -1: none now. */
+int32_t plfx_stream_wants(const plfx_stream *s);
+
+/* Row j of the table; copied.  *ready as in plfx_stream_push().  PLFX_OK, PLFX_E_ARG,
+ * PLFX_E_STATE (not the row that is wanted), PLFX_E_RANGE (the row needs sensor rows
+ * that went by: more open rows, or a table whose rows are not in the order of the
+ * sensor's).  After an error the stream is as before the call. */
+plfx_status plfx_stream_feed(plfx_stream *s, int32_t j, const plfx_lens_row *row,
+                             int32_t *ready) PLFX_MUST_USE;
 
 /* Sensor row y; *ready: map rows that can be popped now.  Rows come in order; the
  * first may be any row up to the first one needed.  PLFX_OK, PLFX_E_ARG (y off the
  * sensor, or a row that is not as configured), PLFX_E_STATE (y is not the next row,
- * or map rows wait: pop first).  After an error the stream is as before the call. */
+ * map rows wait: pop first, or a row of the table is wanted: feed first).  After an
+ * error the stream is as before the call. */
 plfx_status plfx_stream_push(plfx_stream *s, int32_t y, const plfx_raw_row *row,
                              int32_t *ready) PLFX_MUST_USE;
 
 /* Rows y .. y+h-1 in one bit stream.  *used: rows taken, fewer than h when map rows
- * wait; call again with the rest after popping.  Same errors; PLFX_E_ARG for no
- * rows. */
+ * wait or a row of the table is wanted; call again with the rest after that.  Same
+ * errors; PLFX_E_ARG for no rows. */
 plfx_status plfx_stream_push_band(plfx_stream *s, int32_t y, const plfx_raw *band,
                                   int32_t *used, int32_t *ready) PLFX_MUST_USE;
 

@@ -40,7 +40,7 @@ Cfg = struct('Cfg', method=c.c_uint8, cost=c.c_uint8, fit=c.c_uint8, fuse=c.c_ui
              hi=c.c_int32, at=Offset * 128)
 StreamCfg = struct('StreamCfg', plan=c.c_void_p, lut=c.c_void_p, frame=c.c_void_p, tone=Tone,
                    profile=c.c_uint8, white=c.c_uint8, format=c.c_uint8, bits=c.c_uint8,
-                   open_rows=c.c_int32, j0=c.c_int32, j1=c.c_int32)
+                   fed=c.c_uint8, open_rows=c.c_int32, j0=c.c_int32, j1=c.c_int32)
 
 
 def unity(bits):
@@ -119,7 +119,7 @@ class Stream:
         tone = unity(12)
         rows = lib.plfx_stream_open_rows(core.lut, self.plan, c.byref(tone))
         self.cfg = StreamCfg(c.addressof(self.plan), c.addressof(core.lut), None, tone, profile, 0,
-                             FORMAT_U16, 12, rows, 0, LENSES_Y)
+                             FORMAT_U16, 12, 0, rows, 0, LENSES_Y)
         self.bytes = lib.plfx_stream_ws(c.byref(self.cfg))
         self.room, at = aligned(self.bytes)
         self.state = c.create_string_buffer(256)

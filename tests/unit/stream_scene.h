@@ -22,8 +22,10 @@
 
 static uint16_t frame[MAX_W * MAX_H];
 static uint8_t packed[MAX_W * MAX_H * 2];
-static uint16_t samples[CELLS * MAX_N];
 static unsigned char blob[16384];
+static int16_t scene_resid[CELLS * 2]; /* what the table is written from */
+static uint8_t scene_flags[CELLS];
+static uint16_t scene_gain[CELLS];
 static unsigned char memory[WS_BYTES + 64];
 
 typedef struct planes {
@@ -85,31 +87,29 @@ static inline void describe(plfx_lut_desc *d, ref_rng *rng)
 
 static inline int open_table(scene *sc, ref_rng *rng, int32_t bits)
 {
-    static int16_t resid[CELLS * 2];
-    static uint8_t flags[CELLS];
-    static uint16_t profile[81], gain[CELLS];
+    static uint16_t profile[81];
     plfx_lut_desc d;
 
     describe(&d, rng);
     d.sensor_bits = bits;
     for (int i = 0; i < CELLS; i++) {
-        resid[2 * i] = (int16_t)ref_range(rng, -900, 900);
-        resid[2 * i + 1] = (int16_t)ref_range(rng, -900, 900);
-        flags[i] = ref_range(rng, 0, 15) ? 0 : PLFX_LENS_MISSING;
-        gain[i] = (uint16_t)ref_range(rng, 6000, 12000);
+        scene_resid[2 * i] = (int16_t)ref_range(rng, -900, 900);
+        scene_resid[2 * i + 1] = (int16_t)ref_range(rng, -900, 900);
+        scene_flags[i] = ref_range(rng, 0, 15) ? 0 : PLFX_LENS_MISSING;
+        scene_gain[i] = (uint16_t)ref_range(rng, 6000, 12000);
     }
     for (int i = 0; i < 81; i++) {
         profile[i] = (uint16_t)ref_range(rng, 7000, 12000);
     }
-    d.resid_q12 = ref_range(rng, 0, 1) ? resid : NULL;
-    d.flags = ref_range(rng, 0, 1) ? flags : NULL;
+    d.resid_q12 = ref_range(rng, 0, 1) ? scene_resid : NULL;
+    d.flags = ref_range(rng, 0, 1) ? scene_flags : NULL;
     sc->white = ref_range(rng, 0, 1);
     if (sc->white) {
         d.zones_x = 1;
         d.zones_y = 1;
         d.profile_r = 4;
         d.profile_u13 = profile;
-        d.lens_gain_u13 = gain;
+        d.lens_gain_u13 = scene_gain;
     }
     assert_true(plfx_lut_bytes(&d) <= sizeof blob);
     return plfx_lut_write(&d, blob, sizeof blob) == PLFX_OK &&

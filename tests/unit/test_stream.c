@@ -4,6 +4,8 @@
  * order of calls. */
 #include "stream_scene.h"
 
+static uint16_t samples[CELLS * MAX_N];
+
 static void whole_frame(const scene *sc)
 {
     plfx_views v = {samples, sc->plan.nx, sc->plan.ny, sc->plan.cfg.n};

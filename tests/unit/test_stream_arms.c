@@ -4,6 +4,8 @@
 #include "stream_scene.h"
 #include "frame_state.h"
 
+static uint16_t samples[CELLS * MAX_N];
+
 static void whole_frame(const scene *sc)
 {
     plfx_views v = {samples, sc->plan.nx, sc->plan.ny, sc->plan.cfg.n};
