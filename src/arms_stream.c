@@ -4,6 +4,7 @@
 #include "arms_stream.h"
 #include "fix.h"
 #include "store.h"
+#include "sure.h"
 
 #define CHUNK PLFX_WINNER_CHUNK
 
@@ -212,9 +213,7 @@ size_t plfx_arms_carve(plfx_arms_stream *a, const plfx_plan *plan,
     size_t nx = (size_t)plan->nx;
     size_t labels = plan->cfg.labels;
 
-    if (plfx_frame_derive(&a->frame, plan, cfg, NULL) != PLFX_OK) {
-        return 0;
-    }
+    plfx_sure(plfx_frame_derive(&a->frame, plan, cfg, NULL));
     survey(a);
     carve_views(a, &arena);
     carve_winners(a, &arena);

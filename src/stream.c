@@ -315,8 +315,8 @@ void plfx_stream_rows(const plfx_stream *s, int32_t *first, int32_t *last)
     const state *t = s->state;
     int32_t j;
 
-    *first = t->rows && t->from < t->to ? 0 : INT32_MAX;
-    *last = t->rows && t->from < t->to ? s->cfg.lut->sensor_h - 1 : -1;
+    *first = t->rows ? 0 : INT32_MAX;
+    *last = t->rows ? s->cfg.lut->sensor_h - 1 : -1;
     for (j = t->from; j < t->to && !t->rows; j++) {
         plfx_rows_span r = plfx_gather_span(&t->gather, j);
         *first = plfx_min_i32(*first, r.lo);

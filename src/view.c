@@ -10,8 +10,8 @@
 #if PLFX_LANES >= 8
 #define RUN   3 /* views side by side from which they are sampled at once, */
 #define SIDE  PLFX_RUN_VIEWS /* so many at most */
-#define CHUNK 182 /* views whose displacements are held at once: all of 13 x 13 */
-#else             /* small cores: view by view, little code and stack */
+#define CHUNK 120            /* views whose displacements are held at once */
+#else                        /* small cores: view by view, little code and stack */
 #define SIDE  1
 #define CHUNK 16
 #endif
@@ -322,9 +322,7 @@ static int32_t fill_some(const sampler *s, const block *b, int32_t k, int32_t m,
 {
     int32_t run = s->run[k];
 
-    if (run >= RUN && m == LANES && s->fine &&
-        (b->inside ||
-         inside(s, b, shift_of(s, k), shift_of(s, k + run - 1), SIDE + 1 - run))) {
+    if (run >= RUN && m == LANES && s->fine && b->inside) {
         fill_run(s, b, k, run, to);
         return run;
     }

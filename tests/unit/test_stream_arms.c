@@ -244,6 +244,41 @@ static void workspace_is_needed(void **state)
     }
 }
 
+/* Slopes alone, and each other plane alone, are those of the whole map. */
+static void maps_with_less(void **state)
+{
+    scene sc = some_scene();
+    plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_FAST);
+
+    (void)state;
+    whole_frame(&sc);
+    for (int32_t part = 0; part < 4; part++) {
+        plfx_stream s;
+        memset(&got, 0x5a, sizeof got);
+        assert_int_equal(plfx_stream_init(&s, &c, workspace(), WS_BYTES), PLFX_OK);
+        for (int32_t y = 0; y < sc.raw.h; y++) {
+            plfx_raw_row row;
+            int32_t ready = 0;
+            assert_int_equal(plfx_raw_row_at(&sc.sent, y, &row), PLFX_OK);
+            assert_int_equal(plfx_stream_push(&s, y, &row, &ready), PLFX_OK);
+            while (ready > 0) {
+                int32_t j = 0;
+                plfx_map line = line_of(&sc.plan, s.j);
+                line.conf_u16 = part == 1 ? line.conf_u16 : NULL;
+                line.sigma_u20 = part == 2 ? line.sigma_u20 : NULL;
+                line.flags = part == 3 ? line.flags : NULL;
+                assert_int_equal(plfx_stream_pop(&s, &j, &line, &ready), PLFX_OK);
+            }
+        }
+        for (int32_t i = 0; i < sc.plan.nx * sc.plan.ny; i++) {
+            assert_int_equal(got.slope[i], want.slope[i]);
+            assert_int_equal(got.conf[i], part == 1 ? want.conf[i] : 0x5a5a);
+            assert_int_equal(got.sigma[i], part == 2 ? want.sigma[i] : 0x5a5a);
+            assert_int_equal(got.flags[i], part == 3 ? want.flags[i] : 0x5a);
+        }
+    }
+}
+
 /* Sums of arms are no sum of views. */
 static void sweep_refuses_arms(void **state)
 {
@@ -260,6 +295,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(settings_that_do_not_stream),
     cmocka_unit_test(memory_of_the_large_frame),
     cmocka_unit_test(workspace_is_needed),
+    cmocka_unit_test(maps_with_less),
     cmocka_unit_test(sweep_refuses_arms),
 };
 

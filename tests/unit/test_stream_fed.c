@@ -182,6 +182,65 @@ static void order_of_rows(void **state)
     assert_int_equal(plfx_stream_feed(&s, 0, &row, &ready), PLFX_E_STATE); /* twice */
 }
 
+/* A stream that no init has seen. */
+static void no_stream(void **state)
+{
+    plfx_lens_row row = {NULL, NULL, NULL};
+    plfx_stream s;
+    int32_t ready = 0;
+
+    (void)state;
+    memset(&s, 0, sizeof s);
+    assert_int_equal(plfx_stream_wants(&s), -1);
+    assert_int_equal(plfx_stream_feed(&s, 0, &row, &ready), PLFX_E_ARG);
+    assert_int_equal(plfx_stream_feed(NULL, 0, &row, &ready), PLFX_E_ARG);
+}
+
+/* Rows without a measured lens wait for nothing; rows that begin or end before the one
+ * above them are refused; a band stops where a row of the table is wanted. */
+static void rows_of_the_sensor(void **state)
+{
+    static uint8_t gone[MAX_NX];
+    static int16_t moved[2 * MAX_NX];
+    scene sc = some_scene();
+    plfx_lut lut = without_rows(&sc);
+    plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_SMALL);
+    plfx_raw band = sc.raw;
+    plfx_lens_row row = {NULL, gone, NULL};
+    plfx_stream s;
+    int32_t ready = 0;
+    int32_t used = 0;
+
+    (void)state;
+    memset(gone, PLFX_LENS_MISSING, sizeof gone);
+    c.fed = 1;
+    c.lut = &lut;
+    c.open_rows = 2;
+    c.format = PLFX_RAW_U16;
+    c.bits = sc.raw.bits;
+    assert_int_equal(plfx_stream_init(&s, &c, workspace(), WS_BYTES), PLFX_OK);
+    assert_int_equal(plfx_stream_feed(&s, 0, &row, &ready), PLFX_OK);
+    row.flags = NULL;
+    assert_int_equal(plfx_stream_feed(&s, 1, &row, &ready), PLFX_OK);
+    assert_int_equal(plfx_stream_wants(&s), -1);
+    assert_int_equal(plfx_stream_push_band(&s, 0, &band, &used, &ready), PLFX_OK);
+    assert_true(used > 0 && used < band.h);
+    assert_int_equal(plfx_stream_reset(&s), PLFX_OK);
+    for (int32_t i = 0; i < sc.plan.nx; i++) {
+        moved[2 * i + 1] = 8 * 4096 - 1; /* row 0 stands 8 px lower than it should, */
+    }
+    row.resid_q12 = moved;
+    assert_int_equal(plfx_stream_feed(&s, 0, &row, &ready), PLFX_OK);
+    for (int32_t i = 0; i < sc.plan.nx; i++) {
+        moved[2 * i + 1] = -8 * 4096; /* row 1 higher, */
+    }
+    assert_int_equal(plfx_stream_feed(&s, 1, &row, &ready), PLFX_E_RANGE);
+    for (int32_t i = 0; i < sc.plan.nx; i++) {
+        moved[2 * i + 1] = 0;
+    }
+    assert_int_equal(plfx_stream_wants(&s), 1); /* and is still wanted */
+}
+
 /* With one row open where the table needs more, a lens row asks for sensor rows that
  * went by. */
 static void too_few_open_rows(void **state)
@@ -229,6 +288,8 @@ static void too_few_open_rows(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(equals_the_table_in_place),
     cmocka_unit_test(order_of_rows),
+    cmocka_unit_test(no_stream),
+    cmocka_unit_test(rows_of_the_sensor),
     cmocka_unit_test(too_few_open_rows),
 };
 
