@@ -13,8 +13,8 @@ static inline const uint8_t *plfx_lut_fed(const plfx_lut *lut, int32_t j,
 {
     size_t nx = (size_t)lut->lattice.nx;
 
-    return lut->rows + nx * (before * (size_t)lut->held +
-                             bytes * (size_t)(j % lut->held));
+    return lut->rows +
+           nx * (before * (size_t)lut->held + bytes * (size_t)(j % lut->held));
 }
 
 static inline const uint8_t *plfx_lut_resi_row(const plfx_lut *lut, int32_t j)
