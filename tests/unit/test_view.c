@@ -371,6 +371,37 @@ static void runs_off_each_side(void **state)
     }
 }
 
+/* More views than are held at once, in runs that no chunk may cut. */
+static void chunks_end_between_runs(void **state)
+{
+    enum { VIEWS = 200 };
+    static uint16_t picture[WIDE * TALL], at_once[MANY * 4 * VIEWS],
+        single[MANY * 4 * VIEWS];
+    plfx_lut lut = open_wide(0, 12);
+    plfx_raw raw = {
+        (const uint8_t *)picture, sizeof picture, PLFX_RAW_U16, 12, WIDE, TALL};
+    plfx_views a = {at_once, MANY, 4, VIEWS};
+    plfx_views b = {single, MANY, 4, VIEWS};
+    plfx_tone tone = plfx_tone_unity(12);
+    plfx_offset at[VIEWS];
+    ref_rng rng = {78};
+
+    (void)state;
+    for (size_t i = 0; i < WIDE * TALL; i++) {
+        picture[i] = (uint16_t)ref_range(&rng, 0, 4095);
+    }
+    for (int32_t k = 0; k < VIEWS; k++) {
+        at[k].u_q8 = (int16_t)(256 * (k % 19 - 9) + 50);
+        at[k].v_q8 = (int16_t)(150 * (k / 19 - 5));
+    }
+    assert_int_equal(plfx_view_all(&lut, &raw, &tone, at, 0, &a), PLFX_OK);
+    for (int32_t k = 0; k < VIEWS; k++) {
+        assert_int_equal(plfx_view_rows(&lut, &raw, &tone, at[k], 0, 0, 4, &b, k),
+                         PLFX_OK);
+    }
+    assert_memory_equal(at_once, single, sizeof single);
+}
+
 static void white_without_gains_is_one(void **state)
 {
     static uint16_t plain[NX * NY];
@@ -470,6 +501,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(formats_agree),
     cmocka_unit_test(grid_equals_single_views),
     cmocka_unit_test(runs_off_each_side),
+    cmocka_unit_test(chunks_end_between_runs),
     cmocka_unit_test(white_without_gains_is_one),
     cmocka_unit_test(bad_arguments),
 };
