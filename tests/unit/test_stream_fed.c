@@ -241,6 +241,83 @@ static void rows_of_the_sensor(void **state)
     assert_int_equal(plfx_stream_wants(&s), 1); /* and is still wanted */
 }
 
+/* A waiting map row comes first; then a band stops at the sensor row behind which the
+ * table is wanted, and takes none before it has come. */
+static void a_band_stops_for_the_table(void **state)
+{
+    scene sc = some_scene();
+    plfx_lut lut = without_rows(&sc);
+    plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_SMALL);
+    plfx_raw band = sc.raw;
+    plfx_lens_row row = lens_row(&sc, 0);
+    plfx_stream s;
+    int32_t ready = 0;
+    int32_t used = 0;
+    int32_t next = 0;
+    int32_t y;
+
+    (void)state;
+    c.fed = 1;
+    c.lut = &lut;
+    c.format = PLFX_RAW_U16;
+    c.bits = sc.raw.bits;
+    assert_int_equal(plfx_stream_init(&s, &c, workspace(), WS_BYTES), PLFX_OK);
+    supply(&s, &sc, &next);
+    assert_int_equal(plfx_stream_push_band(&s, 0, &band, &used, &ready), PLFX_OK);
+    assert_true(ready > 0); /* rows too near the border for a window */
+    assert_int_equal(plfx_stream_wants(&s), -1);
+    assert_int_equal(plfx_stream_feed(&s, 0, &row, &ready), PLFX_E_STATE);
+    pop_all(&s, &next, ready);
+    y = used;
+    band.bytes += (size_t)y * (size_t)band.w * sizeof(uint16_t);
+    band.size -= (size_t)y * (size_t)band.w * sizeof(uint16_t);
+    band.h -= y;
+    assert_int_equal(plfx_stream_push_band(&s, y, &band, &used, &ready), PLFX_OK);
+    assert_int_equal(ready, 0);
+    assert_true(used > 0 && used < band.h);
+    assert_true(plfx_stream_wants(&s) > 0);
+    y += used;
+    assert_int_equal(plfx_stream_push_band(&s, y, &band, &used, &ready), PLFX_E_STATE);
+    assert_int_equal(used, 0);
+}
+
+/* A lens of row 0 that reaches far down and a row 1 that stands high, but not above
+ * row 0: it would end first. */
+static void a_row_that_ends_before_the_one_above(void **state)
+{
+    static int16_t moved[2 * MAX_NX];
+    scene sc = some_scene();
+    plfx_lut lut = without_rows(&sc);
+    plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_SMALL);
+    plfx_lens_row row = {moved, NULL, NULL};
+    plfx_stream s;
+    int32_t lowest = 0;
+    int32_t ready = 0;
+    int32_t i;
+
+    (void)state;
+    c.fed = 1;
+    c.lut = &lut;
+    c.open_rows = 2;
+    for (i = 1; i < sc.plan.nx; i++) {
+        lowest =
+            plfx_lut_centre(&lut, i, 0).y_q16 > plfx_lut_centre(&lut, lowest, 0).y_q16
+                ? i
+                : lowest;
+    }
+    assert_int_equal(plfx_stream_init(&s, &c, workspace(), WS_BYTES), PLFX_OK);
+    memset(moved, 0, sizeof moved);
+    moved[2 * lowest + 1] = 8 * 4096 - 1;
+    assert_int_equal(plfx_stream_feed(&s, 0, &row, &ready), PLFX_OK);
+    for (i = 0; i < sc.plan.nx; i++) {
+        moved[2 * i + 1] = -7 * 4096;
+    }
+    assert_int_equal(plfx_stream_feed(&s, 1, &row, &ready), PLFX_E_RANGE);
+    memset(moved, 0, sizeof moved);
+    moved[2 * lowest + 1] = 8 * 4096 - 1;
+    assert_int_equal(plfx_stream_feed(&s, 1, &row, &ready), PLFX_OK);
+}
+
 /* With one row open where the table needs more, a lens row asks for sensor rows that
  * went by. */
 static void too_few_open_rows(void **state)
@@ -290,6 +367,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(order_of_rows),
     cmocka_unit_test(no_stream),
     cmocka_unit_test(rows_of_the_sensor),
+    cmocka_unit_test(a_band_stops_for_the_table),
+    cmocka_unit_test(a_row_that_ends_before_the_one_above),
     cmocka_unit_test(too_few_open_rows),
 };
 
