@@ -10,7 +10,7 @@
 
 #define OFFSET_MAX 32767
 
-PLFX_STATIC_ASSERT(sizeof(plfx_roi_patch) <= 1792u, roi_patch_fits_the_macro);
+PLFX_STATIC_ASSERT(sizeof(plfx_roi_patch) <= 2048u, roi_patch_fits_the_macro);
 
 static int32_t region_ok(const plfx_roi_region *r)
 {
@@ -80,12 +80,27 @@ static void carve_patch(const plfx_roi_cfg *c, int32_t k, plfx_roi_patch *p,
     }
 }
 
+/* Lenses of the largest region. */
+static size_t largest(const plfx_roi_cfg *c)
+{
+    size_t most = 0;
+    int32_t k;
+
+    for (k = 0; k < c->regions; k++) {
+        size_t n =
+            (2u * (size_t)c->region[k].hx + 1u) * (2u * (size_t)c->region[k].hy + 1u);
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
 static size_t carve(const plfx_roi_cfg *c, plfx_roi *roi, void *ws)
 {
     plfx_arena a = {ws, 0};
     plfx_roi_patch *patch = plfx_take(&a, (size_t)c->regions, sizeof(plfx_roi_patch));
     uint16_t *row =
         gained(c) ? plfx_take(&a, (size_t)c->lut->lattice.nx, sizeof(uint16_t)) : NULL;
+    int32_t *lens = plfx_take(&a, largest(c), sizeof(int32_t));
     int32_t k;
 
     for (k = 0; k < c->regions; k++) {
@@ -94,6 +109,7 @@ static size_t carve(const plfx_roi_cfg *c, plfx_roi *roi, void *ws)
     if (roi) {
         roi->patch = patch;
         roi->row = row;
+        roi->lens = lens;
     }
     return a.used;
 }
@@ -109,7 +125,7 @@ static int64_t length_q16(plfx_vec_q22 v)
     int64_t x = plfx_asr_i32(v.x_q22, 6);
     int64_t y = plfx_asr_i32(v.y_q22, 6);
 
-    return (int64_t)plfx_isqrt_u64((uint64_t)(x * x + y * y));
+    return (int64_t)plfx_roi_root((uint64_t)(x * x + y * y));
 }
 
 /* Displacement of each view a unit of slope at the rim. */

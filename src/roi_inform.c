@@ -107,7 +107,7 @@ static int32_t information(const plfx_roi *roi, plfx_roi_patch *p, const moments
             if (n[k][k] / p->used * 4 < SLOPE_DN * SLOPE_DN / (k == 2 ? 16 : 1)) {
                 return 0;
             }
-            p->scale[k] = (int64_t)plfx_isqrt_u64((uint64_t)n[k][k]);
+            p->scale[k] = (int64_t)plfx_roi_root((uint64_t)n[k][k]);
         }
     }
     for (k = 0; k < 3; k++) {
@@ -260,7 +260,7 @@ static void errors_of(const plfx_roi_patch *p, int64_t v[3][3], uint32_t out_q12
     for (k = 0; k < 3; k++) {
         int64_t q =
             sandwich((const int32_t(*)[3])p->inv_q24, (const int64_t(*)[3])v, k);
-        out_q12[k] = plfx_isqrt_u64(q > 0 ? (uint64_t)q : 0u);
+        out_q12[k] = plfx_roi_root(q > 0 ? (uint64_t)q : 0u);
     }
 }
 
@@ -282,34 +282,58 @@ static void spread(const plfx_roi *roi, plfx_roi_patch *p)
     errors_of(p, v, p->spread_q12);
 }
 
+/* Sums of lens s over the views: of g, of g orthogonal, and how many. */
+typedef struct lens_sums {
+    int32_t g[3], own[3], used; /* < 2^23 */
+} lens_sums;
+
+static lens_sums over_views(const plfx_roi *roi, const plfx_roi_patch *p, size_t s)
+{
+    size_t n = (size_t)p->w * (size_t)p->h;
+    lens_sums sum = {{0, 0, 0}, {0, 0, 0}, 0};
+    int32_t view;
+    int32_t k;
+
+    for (view = 0; view < roi->cfg.views; view++) {
+        size_t at = n * (size_t)view + s;
+        int64_t g[3];
+        int64_t own[3];
+        if (p->ref[at] == PLFX_ROI_UNUSED) {
+            continue;
+        }
+        response(roi, p, view, at, g);
+        orthogonal(roi, p, view, at, own);
+        for (k = 0; k < 3; k++) {
+            sum.g[k] += (int32_t)g[k];
+            sum.own[k] += (int32_t)own[k];
+        }
+        sum.used++;
+    }
+    return sum;
+}
+
 /* The same for an error of unit variance that is one number a lens: what the
- * interpolator misses of texture finer than two lenses is alike in all views.  Sums of
- * g over the views < 2^23, products over the lenses < 2^57. */
-static void spread_common(const plfx_roi *roi, plfx_roi_patch *p)
+ * interpolator misses of texture finer than two lenses is alike in all views.  Products
+ * over the lenses < 2^57.  And the energy of a unit slope with x and y. */
+static void spread_common(const plfx_roi *roi, plfx_roi_patch *p, const moments *m)
 {
     size_t n = (size_t)p->w * (size_t)p->h;
     int64_t v[3][3];
+    int64_t mean[2] = {0, 0};
     size_t s;
-    int32_t view;
     int32_t k;
     int32_t l;
 
     memset(v, 0, sizeof v);
     for (s = 0; s < n; s++) {
-        int64_t sum[3] = {0, 0, 0};
-        for (view = 0; view < roi->cfg.views; view++) {
-            int64_t g[3] = {0, 0, 0};
-            if (p->ref[n * (size_t)view + s] != PLFX_ROI_UNUSED) {
-                orthogonal(roi, p, view, n * (size_t)view + s, g);
-            }
-            for (k = 0; k < 3; k++) {
-                sum[k] += g[k];
-            }
-        }
+        lens_sums sum = over_views(roi, p, s);
         for (k = 0; k < 3; k++) {
             for (l = 0; l < 3; l++) { /* a 256th: the sums divide by the scale */
-                v[k][l] += plfx_asr_i64(sum[k] * sum[l], 8);
+                v[k][l] += plfx_asr_i64((int64_t)sum.own[k] * sum.own[l], 8);
             }
+        }
+        for (k = 0; k < 2 && sum.used > 0; k++) {
+            mean[k] += (int64_t)sum.g[2] * sum.g[k] / sum.used;
         }
     }
     errors_of(p, v, p->common_q12);
@@ -317,6 +341,25 @@ static void spread_common(const plfx_roi *roi, plfx_roi_patch *p)
         p->common_q12[k] =
             16u * (p->common_q12[k] < 1u << 27 ? p->common_q12[k] : 1u << 27);
     }
+    for (k = 0; k < 2; k++) {
+        p->all.cross[k + 1] = 16 * m->gg[2][k];
+        p->apart.cross[k + 1] = 16 * (m->gg[2][k] - mean[k]);
+    }
+}
+
+/* Share of a sample's noise that is not in the mean over the views. */
+static int32_t own_noise(const plfx_roi *roi)
+{
+    int64_t sum = 0; /* < 2^12 * 97^2 */
+    int32_t a;
+    int32_t b;
+
+    for (a = 0; a < roi->cfg.views; a++) {
+        for (b = 0; b < roi->cfg.views; b++) {
+            sum += shared(roi, a, b);
+        }
+    }
+    return 4096 - (int32_t)(sum / ((int64_t)roi->cfg.views * roi->cfg.views));
 }
 
 void plfx_roi_inform(const plfx_roi *roi, plfx_roi_patch *p)
@@ -326,14 +369,14 @@ void plfx_roi_inform(const plfx_roi *roi, plfx_roi_patch *p)
 
     collect(roi, p, &m);
     project(p, &m);
-    p->cross[0] = 16 * m.gg[2][2];
-    p->cross[1] = 16 * m.gg[2][0];
-    p->cross[2] = 16 * m.gg[2][1];
     if (!information(roi, p, &m, n_q24) ||
         !invert((const int64_t(*)[3])n_q24, p->inv_q24)) {
         p->flags |= PLFX_ROI_TEXTURE;
         return;
     }
     spread(roi, p);
-    spread_common(roi, p);
+    spread_common(roi, p, &m);
+    /* about a third of the samples are independent */
+    p->chance_q12 = (int32_t)(30000u / plfx_roi_root((uint64_t)p->used));
+    p->own_q12 = own_noise(roi);
 }

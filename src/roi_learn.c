@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define QUARTER 16384  /* a quarter of a lens, q16 */
+#define CROWDED 16     /* times the patch's greatest scatter over the views */
 #define FULL    65440u /* a mean rest sample from here on was clipped at times */
 
 static int32_t wide_w(const plfx_roi_patch *p)
@@ -146,7 +147,7 @@ static void halves(const plfx_roi *roi, plfx_roi_patch *p)
     p->n_dark = 0;
     p->ref_bright = 0;
     p->ref_dark = 0;
-    p->ref_square = 0;
+    p->all.ref = 0;
     for (s = 0; s < n; s++) {
         if (p->ref[s] != PLFX_ROI_UNUSED) {
             sum += p->ref[s];
@@ -159,7 +160,7 @@ static void halves(const plfx_roi *roi, plfx_roi_patch *p)
         if (p->ref[s] == PLFX_ROI_UNUSED) {
             continue;
         }
-        p->ref_square += v * v;
+        p->all.ref += v * v;
         if (v >= (int64_t)p->split) {
             p->n_bright++;
             p->ref_bright += v;
@@ -186,30 +187,47 @@ static int64_t products(const plfx_roi_patch *p, int32_t k, int32_t y,
     return sum;
 }
 
-/* Sums of the rest state displaced by (x, y) and slope z; returns the sum of
- * differences times R. */
-static int64_t sums_of(const plfx_roi *roi, const plfx_roi_patch *p,
-                       const int32_t at_q16[3], plfx_roi_sums *all)
+/* Sums of the rest state displaced by (x, y) and slope z; product: of differences times
+ * R, and the part of it that lies apart. */
+static void sums_of(const plfx_roi *roi, const plfx_roi_patch *p,
+                    const int32_t at_q16[3], plfx_roi_sums *all, int64_t product[2])
 {
     uint16_t row[PLFX_ROI_SIDE];
     plfx_roi_sums view;
-    int64_t product = 0;
+    plfx_roi_shared shared;
     int32_t k;
     int32_t y;
 
+    product[0] = 0;
     memset(&view, 0, sizeof view);
     memset(all, 0, sizeof *all);
+    memset(roi->lens, 0, (size_t)p->w * (size_t)p->h * sizeof *roi->lens);
     for (k = 0; k < roi->cfg.views; k++) {
         int32_t dx = at_q16[0] + at_q16[2] * roi->lean_q12[k][0] / 4096;
         int32_t dy = at_q16[1] + at_q16[2] * roi->lean_q12[k][1] / 4096;
         for (y = 0; y < p->h; y++) {
             plfx_roi_warp(p, k, y, dx, dy, row);
-            plfx_roi_add(p, k, y, row, &view);
-            product += products(p, k, y, row);
+            plfx_roi_add(p, k, y, row, &view, roi->lens + y * p->w);
+            product[0] += products(p, k, y, row);
         }
         plfx_roi_close(roi->lean_q12[k], &view, all);
     }
-    return product;
+    shared = plfx_roi_share(roi, p, roi->lens);
+    all->apart = all->energy - shared.square;
+    product[1] = product[0] - shared.product;
+}
+
+/* Node m, or of a unit slope by a quarter of it to both sides. */
+static void keep(plfx_roi_energies *e, int32_t used, int32_t m, int32_t z_q16,
+                 int64_t square, int64_t product)
+{
+    if (z_q16 == 0) {
+        e->square[m] = (int32_t)(square / used / 4);    /* < 2^30 */
+        e->product[m] = (int32_t)(product / used / 16); /* |.| < 2^28 */
+    } else if (m == PLFX_ROI_NODES / 2) {
+        e->cross[0] += 8 * square;
+        e->lean += 8 * product;
+    }
 }
 
 /* What the rest state reads when displaced to node m and slope z. */
@@ -218,14 +236,15 @@ static void read_node(const plfx_roi *roi, plfx_roi_patch *p, int32_t m, int32_t
 {
     plfx_roi_sums s;
     const int32_t at_q16[3] = {(m % 5 - 2) * QUARTER, (m / 5 - 2) * QUARTER, z_q16};
-    int64_t product = sums_of(roi, p, at_q16, &s);
+    int64_t product[2];
     plfx_roi_light l;
 
+    sums_of(roi, p, at_q16, &s, product);
     l = plfx_roi_light_of(p, &s);
     plfx_roi_linear(p, &s, l.gain_q20, out_q24);
+    keep(&p->all, p->used, m, z_q16, s.energy, product[0]);
+    keep(&p->apart, p->used, m, z_q16, s.apart, product[1]);
     if (z_q16 == 0) {
-        p->energy[m] = (int32_t)(s.energy / p->used / 4);  /* < 2^30 */
-        p->product[m] = (int32_t)(product / p->used / 16); /* |.| < 2^28 */
         p->gain_q20[m] = l.gain_q20;
         p->offset_q4[m] = l.offset_q4;
     }
@@ -254,13 +273,53 @@ void plfx_roi_tabulate(const plfx_roi *roi, plfx_roi_patch *p)
     }
 }
 
+/* Variance of a lens over the views. */
+static int64_t scatter(const plfx_roi *roi, const plfx_roi_patch *p, size_t lens,
+                       size_t lenses)
+{
+    int32_t n = roi->cfg.views;
+    uint32_t sum = 0;    /* < 2^23 */
+    uint64_t square = 0; /* < 2^39 */
+    int32_t k;
+
+    for (k = 0; k < n; k++) {
+        uint32_t v = p->wide[lens];
+        sum += v;
+        square += v * v; /* < 2^32 */
+        lens += lenses;
+    }
+    return ((int64_t)square - (int64_t)sum * sum / n) / n;
+}
+
+/* The interpolator reads the margin.  What stands before it at another depth differs
+ * from view to view, and reads as a change of slope. */
+static void margin(const plfx_roi *roi, plfx_roi_patch *p)
+{
+    int32_t w = wide_w(p);
+    int32_t n = w * wide_h(p);
+    int64_t most[2] = {0, 0}; /* in the margin, within */
+    int32_t s;
+
+    for (s = 0; s < n; s++) {
+        int64_t v = scatter(roi, p, (size_t)s, (size_t)n);
+        int64_t *at = &most[plfx_roi_within(p, s % w, s / w)];
+        *at = v > *at ? v : *at;
+    }
+    if (most[0] > CROWDED * (most[1] + p->noise_q8 / 256)) {
+        p->flags |= PLFX_ROI_OCCLUDED;
+    }
+}
+
 void plfx_roi_learn(const plfx_roi *roi, plfx_roi_patch *p)
 {
     average(roi, p);
     mend(roi, p);
+    margin(roi, p);
     reference(roi, p);
     gradients(roi, p);
     halves(roi, p);
+    memset(roi->lens, 0, (size_t)p->w * (size_t)p->h * sizeof *roi->lens);
+    p->apart.ref = p->all.ref - plfx_roi_share(roi, p, roi->lens).ref;
     if (p->used * 2 < roi->cfg.views * p->w * p->h) {
         p->flags |= PLFX_ROI_SATURATED;
     }

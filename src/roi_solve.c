@@ -6,7 +6,7 @@
 #include <string.h>
 
 void plfx_roi_add(const plfx_roi_patch *p, int32_t k, int32_t y, const uint16_t *row,
-                  plfx_roi_sums *view)
+                  plfx_roi_sums *view, int32_t *lens)
 {
     size_t at = ((size_t)k * (size_t)p->h + (size_t)y) * (size_t)p->w;
     const uint16_t *ref = p->ref + at;
@@ -23,6 +23,7 @@ void plfx_roi_add(const plfx_roi_patch *p, int32_t k, int32_t y, const uint16_t 
         view->b[0] += gx[x] * d;
         view->b[1] += gy[x] * d;
         view->energy += d * d;
+        lens[x] += (int32_t)d;
         if (ref[x] >= p->split) {
             view->bright += d;
         } else {
@@ -42,6 +43,31 @@ void plfx_roi_close(const int32_t lean_q12[2], plfx_roi_sums *view, plfx_roi_sum
     all->energy += view->energy;
     all->clipped += view->clipped;
     memset(view, 0, sizeof *view);
+}
+
+plfx_roi_shared plfx_roi_share(const plfx_roi *roi, const plfx_roi_patch *p,
+                               const int32_t *lens)
+{
+    size_t n = (size_t)p->w * (size_t)p->h;
+    plfx_roi_shared all = {0, 0, 0};
+    int32_t view;
+    size_t s;
+
+    for (s = 0; s < n; s++) {
+        int32_t used = 0;
+        int32_t ref = 0; /* < 2^23 */
+        for (view = 0; view < roi->cfg.views; view++) {
+            uint32_t r = p->ref[n * (size_t)view + s];
+            used += r != PLFX_ROI_UNUSED;
+            ref += r != PLFX_ROI_UNUSED ? (int32_t)r : 0;
+        }
+        if (used > 0) {
+            all.square += (int64_t)lens[s] * lens[s] / used;
+            all.product += (int64_t)lens[s] * ref / used;
+            all.ref += (int64_t)ref * ref / used;
+        }
+    }
+    return all;
 }
 
 plfx_roi_light plfx_roi_light_of(const plfx_roi_patch *p, const plfx_roi_sums *s)
@@ -93,17 +119,18 @@ void plfx_roi_linear(const plfx_roi_patch *p, const plfx_roi_sums *s, int32_t ga
 /* Lagrange's basis over the nodes -1/2 .. 1/2 in steps of 1/4, q20. */
 static void basis(int32_t x_q24, int64_t l[5])
 {
+    static const int8_t below[5] = {24, -6, 4, -6, 24};
     int64_t t = plfx_asr_i32(x_q24, 2); /* q20, nodes at -2 .. 2, |t| < 2.5 */
-    int64_t one = 1 << 20;
-    int64_t a = plfx_asr_i64((t + 2 * one) * (t + one), 20);
-    int64_t b = plfx_asr_i64((t - 2 * one) * (t - one), 20);
-    int64_t tt = plfx_asr_i64((t - 2 * one) * (t + 2 * one), 20);
+    int32_t i;
+    int32_t j;
 
-    l[0] = plfx_asr_i64(plfx_asr_i64((t + one) * t, 20) * b, 20) / 24;
-    l[1] = -plfx_asr_i64(plfx_asr_i64((t - one) * t, 20) * tt, 20) / 6;
-    l[2] = plfx_asr_i64(a * b, 20) / 4;
-    l[3] = -plfx_asr_i64(plfx_asr_i64((t + one) * t, 20) * tt, 20) / 6;
-    l[4] = plfx_asr_i64(plfx_asr_i64((t - one) * t, 20) * a, 20) / 24;
+    for (i = 0; i < 5; i++) {
+        int64_t v = 1 << 20;
+        for (j = 0; j < 5; j++) { /* |v| < 2^27 */
+            v = j == i ? v : plfx_round_shift_i64(v * (t - (j - 2) * (1 << 20)), 20);
+        }
+        l[i] = v / below[i];
+    }
 }
 
 static int64_t at_nodes(const int64_t lx[5], const int64_t ly[5], const int32_t *table)
@@ -165,44 +192,55 @@ static plfx_roi_sums look(const plfx_roi *roi, const plfx_roi_frame *frame,
 
     memset(&view, 0, sizeof view);
     memset(&all, 0, sizeof all);
+    memset(roi->lens, 0, (size_t)p->w * (size_t)p->h * sizeof *roi->lens);
     for (k = 0; k < roi->cfg.views; k++) {
         for (y = 0; y < p->h; y++) {
             plfx_roi_sample(roi, frame, p, k, y, 0, p->w, row);
-            plfx_roi_add(p, k, y, row, &view);
+            plfx_roi_add(p, k, y, row, &view, roi->lens + y * p->w);
         }
         plfx_roi_close(roi->lean_q12[k], &view, &all);
     }
+    all.apart = all.energy - plfx_roi_share(roi, p, roi->lens).square;
     return all;
 }
 
-/* Energy of the differences that displacement d makes under the gain a: with R' the
- * rest state displaced, d = a*(R'-R) + (a-1)*R, the energy without the last term's own
- * is   a^2*sum (R'-R)^2 + 2*a*(a-1)*sum (R'-R)*R
- * from the tables for x and y; for the slope, whose edges are few, the second sum is
- * minus half of the first. */
-static int64_t moved_energy(const plfx_roi_patch *p, const int32_t d[3],
-                            int64_t gain_q12)
-{
-    int64_t lx[5];
-    int64_t ly[5];
-    int64_t z = plfx_asr_i32(d[2], 12); /* q12 */
-    int64_t plane;
-    int64_t slope;
-    int64_t product;
+/* Lagrange's bases at a displacement. */
+typedef struct place {
+    int64_t lx[5], ly[5];
+} place;
 
-    basis(d[0], lx);
-    basis(d[1], ly);
-    plane = 4 * at_nodes(lx, ly, p->energy) * p->used; /* < 2^51 */
-    product = 16 * at_nodes(lx, ly, p->product) * p->used;
-    slope = plfx_asr_i64(plfx_asr_i64(p->cross[0], 12) * z, 12) * z;
-    slope +=
+static place place_of(const int32_t d[3])
+{
+    place at;
+
+    basis(d[0], at.lx);
+    basis(d[1], at.ly);
+    return at;
+}
+
+/* Energy that displacement d and the gain a put into the differences: with R' the rest
+ * state displaced, d = a*(R'-R) + (a-1)*R
+ *   a^2*sum (R'-R)^2 + 2*a*(a-1)*sum (R'-R)*R
+ * from the tables.  Not in it: (a-1)^2*sum R^2. */
+static int64_t moved_energy(const plfx_roi_energies *e, int64_t used, const place *at,
+                            const int32_t d[3], int32_t gain_q20)
+{
+    int64_t a_q16 = plfx_asr_i32(gain_q20 + 8, 4);                   /* <= 2^20 */
+    int64_t z = plfx_asr_i32(d[2], 12);                              /* q12 */
+    int64_t square = 4 * at_nodes(at->lx, at->ly, e->square) * used; /* < 2^51 */
+    int64_t product = 16 * at_nodes(at->lx, at->ly, e->product) * used;
+    int64_t sum;
+
+    square += plfx_asr_i64(plfx_asr_i64(e->cross[0], 12) * z, 12) * z;
+    square +=
         2 *
-        (plfx_asr_i64(plfx_asr_i64(p->cross[1], 12) * z, 12) * plfx_asr_i32(d[0], 12) +
-         plfx_asr_i64(plfx_asr_i64(p->cross[2], 12) * z, 12) * plfx_asr_i32(d[1], 12));
-    plane = plfx_asr_i64(plane, 12) * gain_q12 +
-            2 * plfx_asr_i64(product, 12) * (gain_q12 - 4096);
-    plane = plfx_asr_i64(plane + slope, 12) * gain_q12;
-    return plane > 0 ? plane : 0;
+        (plfx_asr_i64(plfx_asr_i64(e->cross[1], 12) * z, 12) * plfx_asr_i32(d[0], 12) +
+         plfx_asr_i64(plfx_asr_i64(e->cross[2], 12) * z, 12) * plfx_asr_i32(d[1], 12));
+    product += plfx_asr_i64(plfx_asr_i64(e->lean, 12) * z, 12) * z;
+    sum = plfx_asr_i64(square, 16) * a_q16 +
+          2 * plfx_asr_i64(product, 16) * (a_q16 - 65536); /* < 2^60 */
+    sum = plfx_asr_i64(sum, 16) * a_q16;
+    return sum > 0 ? sum : 0;
 }
 
 static uint16_t sat_u16(int64_t v)
@@ -212,82 +250,127 @@ static uint16_t sat_u16(int64_t v)
 
 /* Brightness without what the displacement feigns. */
 static plfx_roi_light true_light(const plfx_roi_patch *p, plfx_roi_light seen,
-                                 const int32_t d[3])
+                                 const place *at)
 {
-    int64_t lx[5];
-    int64_t ly[5];
     plfx_roi_light l;
-    int64_t gain;
+    int64_t gain = at_nodes(at->lx, at->ly, p->gain_q20);
 
-    basis(d[0], lx);
-    basis(d[1], ly);
-    gain = at_nodes(lx, ly, p->gain_q20);
     gain = gain > 1 << 16 ? gain : 1 << 16;
     l.gain_q20 = plfx_sat_i32(((int64_t)seen.gain_q20 << 20) / gain);
     l.offset_q4 = plfx_sat_i32(
         seen.offset_q4 -
-        plfx_round_shift_i64(at_nodes(lx, ly, p->offset_q4) * l.gain_q20, 20));
+        plfx_round_shift_i64(at_nodes(at->lx, at->ly, p->offset_q4) * l.gain_q20, 20));
     return l;
+}
+
+/* (gain-1)^2*sum R^2. */
+static int64_t gain_energy(int64_t ref, plfx_roi_light l)
+{
+    int64_t a_q16 = plfx_asr_i32(l.gain_q20 - (1 << 20) + 8, 4); /* < 2^20 */
+
+    return plfx_asr_i64(plfx_asr_i64(ref, 16) * a_q16, 16) * a_q16;
 }
 
 /* Sum of ((gain-1)*R + offset)^2. */
 static int64_t light_energy(const plfx_roi_patch *p, plfx_roi_light l)
 {
-    int64_t a_q12 = plfx_asr_i32(l.gain_q20 - (1 << 20) + 128, 8); /* < 2^16 */
-    int64_t o = plfx_asr_i32(l.offset_q4 + 8, 4);                  /* < 2^18 */
-    int64_t ref = p->ref_bright + p->ref_dark;                     /* < 2^36 */
-    int64_t e = plfx_asr_i64(plfx_asr_i64(p->ref_square, 12) * a_q12, 12) * a_q12;
+    int64_t a_q16 = plfx_asr_i32(l.gain_q20 - (1 << 20) + 8, 4);
+    int64_t o = plfx_asr_i32(l.offset_q4 + 8, 4); /* < 2^18 */
+    int64_t ref = p->ref_bright + p->ref_dark;    /* < 2^36 */
 
-    return e + 2 * o * plfx_round_shift_i64(ref * a_q12, 12) + p->used * o * o;
+    return gain_energy(p->all.ref, l) + 2 * o * plfx_round_shift_i64(ref * a_q16, 16) +
+           p->used * o * o;
 }
 
 /* Variances of a sample that the displacement does not explain, q8. */
 typedef struct leftover {
-    int64_t noise;  /* at least that of the rest state */
-    int64_t missed; /* by the interpolator */
+    int64_t noise;  /* its own; at least that of the rest state */
+    int64_t missed; /* alike in all views */
 } leftover;
 
-/* How far what is left is from the noise, over or under it, beyond what chance and the
- * rest state's own noise put there: a 16th and three standard errors of a variance of
- * so many samples, of which about a third are independent. */
-static int64_t missed_q8(const plfx_roi *roi, const plfx_roi_patch *p, int64_t left_q8,
-                         int64_t noise_q8)
+/* What is left of an energy, a sample, q8. */
+static int64_t left_q8(int64_t energy, int64_t explained, int64_t used)
 {
-    int64_t chance_q12 = 30000 / (int64_t)plfx_isqrt_u64((uint64_t)p->used);
-    int64_t off = left_q8 - noise_q8 - noise_q8 / roi->cfg.rest;
+    return (energy - explained) / used * 256;
+}
 
-    off = (off < 0 ? -off : off) - plfx_asr_i64(noise_q8 * chance_q12, 12);
+/* How far what all views share is from their noise, over it or under, beyond what the
+ * rest state's own noise and chance put there. */
+static int64_t missed_q8(const plfx_roi *roi, int64_t left, int64_t noise_q8,
+                         int64_t part_q12)
+{
+    int64_t off = left - noise_q8 - noise_q8 / roi->cfg.rest;
+
+    off = (off < 0 ? -off : off) - plfx_asr_i64(noise_q8 * part_q12, 12);
     return off > 0 ? off : 0;
 }
 
-/* Splits what is left; flags what it says. */
+/* Over the noise and what the interpolator misses, 1/24 of the energy of sharp texture;
+ * < 2^48. */
+static int64_t over_q8(int64_t left, int64_t noise_q8, int64_t moved)
+{
+    return left * 256 / (noise_q8 + moved * 11 + 1);
+}
+
+/* The same for what lies apart, where twice the way from 1 counts.  Energy under 0 tells
+ * that the rest state promised what is not there: something stood before its margin. */
+static int64_t apart(const plfx_roi_patch *p, int64_t left, int64_t noise_q8,
+                     int64_t moved)
+{
+    int64_t off = left > noise_q8 ? left - noise_q8 : left < 0 ? -2 * left : 0;
+
+    off -= plfx_asr_i64(noise_q8 * p->chance_q12, 12);
+    return 256 + (off > 0 ? off * 512 / (noise_q8 + moved * 11 + 1) : 0);
+}
+
+/* Splits what is left; flags what it says.  Texture finer than two lenses is alike in
+ * all views; what lies before the region, at another depth, is not. */
 static leftover residual(const plfx_roi *roi, const plfx_roi_patch *p,
                          const plfx_roi_sums *s, plfx_roi_light l, const int32_t d[3],
-                         plfx_roi_result *out)
+                         const place *at, plfx_roi_result *out)
 {
-    int64_t gain_q12 = plfx_asr_i32(l.gain_q20, 8);
-    int64_t moved = moved_energy(p, d, gain_q12); /* < 2^56 */
-    int64_t left = (s->energy - light_energy(p, l) - moved) / p->used * 256;
+    int64_t moved = moved_energy(&p->all, p->used, at, d, l.gain_q20); /* < 2^56 */
+    int64_t left = left_q8(s->energy, light_energy(p, l) + moved, p->used);
+    int64_t noise = plfx_asr_i64(p->noise_q8 * plfx_asr_i32(l.gain_q20, 8), 12);
+    int64_t own = left;
+    int64_t common = left;
+    int64_t its_noise;
+    int64_t ratio_q8;
+    int32_t part_q12 = p->chance_q12;
     leftover v = {p->noise_q8, 0};
 
+    noise = noise > p->noise_q8 ? noise : p->noise_q8;
+    ratio_q8 = over_q8(left, noise, moved / p->used);
+    its_noise = noise;
+    if (p->own_q12 >= 256) { /* else one view, or all at one place */
+        int64_t share = plfx_asr_i64(noise * p->own_q12, 12);
+        int64_t apart_q8;
+        moved = moved_energy(&p->apart, p->used, at, d, l.gain_q20);
+        own = left_q8(s->apart, gain_energy(p->apart.ref, l) + moved, p->used);
+        apart_q8 = apart(p, own, share, moved / p->used);
+        ratio_q8 = apart_q8 > ratio_q8 ? apart_q8 : ratio_q8;
+        common = left - own;
+        its_noise = noise - share;
+        part_q12 = 2048;
+        own = own * 4096 / p->own_q12;
+    }
     if (p->noise_q8 > 0) {
-        int64_t noise = plfx_asr_i64(p->noise_q8 * gain_q12, 12);
-        int64_t limit;
-        noise = noise > p->noise_q8 ? noise : p->noise_q8;
-        v.missed = missed_q8(roi, p, left, noise);
-        /* The interpolator misses up to 1/16 of the energy of sharp texture. */
-        limit = noise + moved / p->used * 16;
-        out->residual_q8 = sat_u16(left * 256 / limit); /* < 2^48 */
+        v.missed = missed_q8(roi, common, its_noise, part_q12);
+        out->residual_q8 = sat_u16(ratio_q8);
         if (out->residual_q8 > roi->cfg.residual_q8) {
             out->flags |= PLFX_ROI_OCCLUDED;
         }
     }
-    v.noise = left > v.noise ? left : v.noise;
+    v.noise = own > v.noise ? own : v.noise;
     return v;
 }
 
-/* sqrt(a*a + b*b). */
-static uint64_t hypotenuse(uint64_t a, uint64_t b)
+uint32_t plfx_roi_root(uint64_t v)
+{
+    return plfx_isqrt_u64(v);
+}
+
+uint64_t plfx_roi_hypot(uint64_t a, uint64_t b)
 {
     int32_t shift = 0;
 
@@ -296,16 +379,16 @@ static uint64_t hypotenuse(uint64_t a, uint64_t b)
     }
     a >>= shift;
     b >>= shift;
-    return (uint64_t)plfx_isqrt_u64(a * a + b * b) << shift;
+    return (uint64_t)plfx_roi_root(a * a + b * b) << shift;
 }
 
 /* Noise scatters with the views' pixels; what is missed is alike in all views. */
 static uint32_t sigma(const plfx_roi_patch *p, int32_t k, const leftover *left,
                       int32_t gain_q20)
 {
-    uint64_t rms_q8 = plfx_isqrt_u64((uint64_t)left->noise << 8); /* < 2^24 */
-    uint64_t over_q8 = plfx_isqrt_u64((uint64_t)left->missed << 8);
-    uint64_t s = hypotenuse(rms_q8 * p->spread_q12[k], over_q8 * p->common_q12[k]) *
+    uint64_t rms_q8 = plfx_roi_root((uint64_t)left->noise << 8); /* < 2^24 */
+    uint64_t over_q8 = plfx_roi_root((uint64_t)left->missed << 8);
+    uint64_t s = plfx_roi_hypot(rms_q8 * p->spread_q12[k], over_q8 * p->common_q12[k]) *
                  16u / (uint64_t)p->scale[k];
 
     s = s < (uint64_t)1 << 43 ? s : (uint64_t)1 << 43;
@@ -422,6 +505,7 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     int32_t linear[3];
     int32_t d[3];
     leftover left;
+    place at;
 
     clear(out, 0);
     if (!inside(roi, p)) {
@@ -439,7 +523,8 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     }
     plfx_roi_linear(p, &s, l.gain_q20, linear);
     invert(p, linear, d);
-    l = true_light(p, l, d);
+    at = place_of(d);
+    l = true_light(p, l, &at);
     out->light_q12 = sat_u16(plfx_asr_i32(l.gain_q20, 8));
     if (l.gain_q20 < 1 << 18 || l.gain_q20 > 4 << 20) {
         out->flags |= PLFX_ROI_LIGHT;
@@ -448,7 +533,7 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
         d[2] > PLFX_ROI_ONE / 2 || d[2] < -PLFX_ROI_ONE / 2) {
         out->flags |= PLFX_ROI_RANGE;
     }
-    left = residual(roi, p, &s, l, d, out);
+    left = residual(roi, p, &s, l, d, &at, out);
     fill(roi, p, d, &left, l.gain_q20, out);
     if (whole(d[0]) == 0 && whole(d[1]) == 0) {
         return 0;

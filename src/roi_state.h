@@ -16,8 +16,18 @@ typedef struct plfx_roi_sums {
     int64_t bright; /* of d where the rest is bright */
     int64_t dark;   /* of d elsewhere */
     int64_t energy; /* of d*d, < 2^32 * 2^18 */
+    int64_t apart;  /* of d less its mean over the views, lens by lens */
     int32_t clipped;
 } plfx_roi_sums;
+
+/* Energy that the rest state R gives to differences when it is displaced to R'. */
+typedef struct plfx_roi_energies {
+    int32_t square[PLFX_ROI_NODES];  /* (R'-R)^2, mean of a sample, in 4 */
+    int32_t product[PLFX_ROI_NODES]; /* (R'-R)*R, mean of a sample, in 16 */
+    int64_t cross[3];                /* of a unit slope, and with x, with y; sums */
+    int64_t lean;                    /* (R'-R)*R of a unit slope, its even part; sum */
+    int64_t ref;                     /* sum of R*R */
+} plfx_roi_energies;
 
 typedef struct plfx_roi_patch {
     int32_t i0, j0, w, h; /* first lens at rest, lenses */
@@ -30,20 +40,21 @@ typedef struct plfx_roi_patch {
     uint16_t *ref;        /* [view][h][w] */
     int16_t *gx, *gy;     /* [view][h][w] */
     int64_t rest_square;  /* sum of squares of the patch's rest samples, 12 bits */
-    int64_t n_bright, n_dark, ref_bright, ref_dark, ref_square;
+    int64_t n_bright, n_dark, ref_bright, ref_dark;
     int64_t scale[3]; /* square roots of the information's diagonal */
     int32_t inv_q24[3][3];
-    int32_t alpha_q12[3], beta_q12[3]; /* taken off g in the bright and dark half */
-    int64_t cross[3];                  /* energy of a unit slope, and with x, with y */
-    int64_t noise_q8;                  /* variance of a sample at rest; 0: unknown */
-    uint32_t spread_q12[3];            /* standard error over rms/scale */
-    uint32_t common_q12[3];            /* the same for errors that all views share */
+    int32_t alpha_q12[3], beta_q12[3];    /* taken off g in the bright and dark half */
+    int64_t noise_q8;                     /* variance of a sample at rest; 0: unknown */
+    uint32_t spread_q12[3];               /* standard error over rms/scale */
+    uint32_t common_q12[3];               /* the same for errors that all views share */
     int32_t reads_q24[3][PLFX_ROI_NODES]; /* what known displacements read */
     int32_t leans_q24[3][PLFX_ROI_NODES]; /* and its change a unit of slope */
-    int32_t energy[PLFX_ROI_NODES];       /* of differences, mean of a sample, in 4 */
-    int32_t product[PLFX_ROI_NODES];      /* mean of difference times R, in 16 */
     int32_t gain_q20[PLFX_ROI_NODES];     /* brightness that the displacement feigns */
     int32_t offset_q4[PLFX_ROI_NODES];
+    plfx_roi_energies all;   /* of every sample */
+    plfx_roi_energies apart; /* less the mean over the views, lens by lens */
+    int32_t own_q12;         /* share of the noise's variance that lies apart */
+    int32_t chance_q12;      /* three standard errors of a variance of all samples */
 } plfx_roi_patch;
 
 /* Is sample (x, y) of the rest state with its margin one of the patch? */
@@ -67,9 +78,26 @@ plfx_status plfx_roi_frame_ok(const plfx_roi *roi, const plfx_roi_frame *frame);
 void plfx_roi_warp(const plfx_roi_patch *p, int32_t k, int32_t y, int32_t dx_q16,
                    int32_t dy_q16, uint16_t *out);
 
-/* Take row y of view k into the sums of the view. */
+/* Take row y of view k into the sums of the view and of the lenses of that row. */
 void plfx_roi_add(const plfx_roi_patch *p, int32_t k, int32_t y, const uint16_t *row,
-                  plfx_roi_sums *view);
+                  plfx_roi_sums *view, int32_t *lens);
+
+/* Energies of the means over the views, lens by lens. */
+typedef struct plfx_roi_shared {
+    int64_t square;  /* of d, < 2^50 */
+    int64_t product; /* of d with R */
+    int64_t ref;     /* of R */
+} plfx_roi_shared;
+
+/* floor(sqrt(v)), one copy of it. */
+uint32_t plfx_roi_root(uint64_t v);
+
+/* sqrt(a*a + b*b). */
+uint64_t plfx_roi_hypot(uint64_t a, uint64_t b);
+
+/* From sums of d over the views of each lens, |lens[]| < 2^23. */
+plfx_roi_shared plfx_roi_share(const plfx_roi *roi, const plfx_roi_patch *p,
+                               const int32_t *lens);
 
 /* Add the sums of a view, its slope term by its lean, and clear them. */
 void plfx_roi_close(const int32_t lean_q12[2], plfx_roi_sums *view, plfx_roi_sums *all);

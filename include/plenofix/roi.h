@@ -15,18 +15,21 @@
  * gain error of gradients and their non-linearity.  Larger motion is followed by whole
  * lenses.  No gradient of time: differences against one fixed state, free of drift.
  *
- * Standard error: the bound from the region's own gradients (inverse of the information
- * matrix), with the correlation of views that share sensor pixels, times the rms of
- * what the displacement leaves unexplained, at least the rest state's noise.  What the
- * interpolator misses of texture finer than two lenses is no noise: it is alike in all
- * views, so that its standard error is that of one view; its size is how far the
- * unexplained energy is from the noise, over it or under.
+ * Standard error of a frame: the bound from the region's own gradients (inverse of the
+ * information matrix), with the correlation of views that share sensor pixels, times
+ * the rms of what the displacement leaves unexplained, at least the rest state's noise.
+ * What is unexplained is split, lens by lens, into its mean over the views and what lies
+ * apart from it.  What the interpolator misses of texture finer than two lenses is alike
+ * in all views: it is no noise, and its standard error is that of one view; its size is
+ * how far the mean's energy is from the noise, over it or under.  What lies apart is
+ * noise, or something before the region at another depth.  The rest state's own error,
+ * 1/sqrt(rest) of a frame's, is common to all frames and in no standard error.
  *
  * Work in a frame and region of n lenses, k views: k*n samples of 4 multiply-adds (two
- * more when the raw frame is packed) and 3 more for the sums, 1400 for the solution; at
+ * more when the raw frame is packed) and 3 more for the sums, 1450 for the solution; at
  * most `steps` times that when the region has moved by over half a lens; as much again
  * and 2*n*(2*r+1)^2 subtractions, r = max(seek, 1), when it was lost.  24 regions of 63
- * lenses, 25 views: 265,000 + 34,000 multiply-adds.  The rest state costs 75*42*k*n
+ * lenses, 25 views: 265,000 + 35,000 multiply-adds.  The rest state costs 75*42*k*n
  * once.
  *
  * Square lattices.  Scaling: samples 16 bits, gradients int16 in 4 units a lens; sums
@@ -53,7 +56,7 @@ extern "C" {
 /* Why a displacement is not valid; the first seven as in image.h. */
 #define PLFX_ROI_TEXTURE   1u   /* too little texture, or along one direction only */
 #define PLFX_ROI_SATURATED 2u   /* clipped samples */
-#define PLFX_ROI_OCCLUDED  4u   /* the residual is over the limit */
+#define PLFX_ROI_OCCLUDED  4u   /* residual over the limit, or a crowded rest margin */
 #define PLFX_ROI_EDGE      8u   /* the patch leaves the lattice */
 #define PLFX_ROI_LENS      16u  /* over 1/8 of its lenses are dim or missing */
 #define PLFX_ROI_RANGE     32u  /* it moved out of reach */
@@ -93,7 +96,8 @@ typedef struct plfx_roi_result {
     int32_t w_q24;        /* change of slope; NONE with one view */
     uint32_t u_sigma_q24, v_sigma_q24, w_sigma_q24;
     uint16_t light_q12;   /* brightness against the rest state */
-    uint16_t residual_q8; /* variance over the rest's, saturated; 0 without a noise */
+    uint16_t residual_q8; /* variance over the rest's, the worse of all and apart,
+                             saturated; 0 without a noise */
     uint8_t flags;        /* PLFX_ROI_*; 0: valid */
 } plfx_roi_result;
 
@@ -103,9 +107,10 @@ typedef struct plfx_roi {
     plfx_roi_cfg cfg;
     struct plfx_roi_patch *patch; /* workspace, the caller's until the last call */
     uint16_t *row;                /* workspace: gains of a lens row */
-    int32_t rested;               /* frames of the rest state so far */
-    int32_t rim_q8;               /* greatest |u|, |v| of the views; 0: no slope */
-    int32_t col_q12, row_q12;     /* P over column and row distance */
+    int32_t *lens;            /* workspace: sums over the views of a patch's lenses */
+    int32_t rested;           /* frames of the rest state so far */
+    int32_t rim_q8;           /* greatest |u|, |v| of the views; 0: no slope */
+    int32_t col_q12, row_q12; /* P over column and row distance */
     int32_t lean_q12[PLFX_VIEWS_MAX][2]; /* columns and rows a unit of rim shift */
     plfx_point shift[PLFX_VIEWS_MAX];    /* sampling displacement, q16 px */
 } plfx_roi;
@@ -117,7 +122,8 @@ size_t plfx_roi_ws(const plfx_roi_cfg *cfg);
  * most 5 % over where regions have 40 lenses and views are 5 or more.
  * gains: cfg.white; nx: lenses in a row. */
 #define PLFX_ROI_WS(n, w, h, k, gains, nx)                                             \
-    (PLFX_ALIGNED((n)*1792u) + PLFX_ALIGNED(2u * (nx)) +                               \
+    (PLFX_ALIGNED((n)*2048u) + PLFX_ALIGNED(2u * (nx)) +                               \
+     PLFX_ALIGNED(4u * (w) * (h)) +                                                    \
      (size_t)(n) * (PLFX_ALIGNED((size_t)2 * (k) * ((w) + 6u) * ((h) + 6u)) *          \
                         ((gains) ? 2u : 1u) +                                          \
                     3u * PLFX_ALIGNED((size_t)2 * (k) * (w) * (h))))
@@ -149,6 +155,9 @@ typedef struct plfx_roi_shake {  /* motion of the camera, seen by reference regi
     int32_t u_q24, v_q24, w_q24; /* there */
     int32_t turn_q24, zoom_q24;  /* u += zoom*di - turn*dj, v += zoom*dj + turn*di */
     int32_t wi_q24, wj_q24;      /* w += wi*di + wj*dj; lenses */
+    uint32_t uv_sigma_q24, w_sigma_q24; /* mean standard error of a reference */
+    int32_t spread;                     /* sum of di^2 + dj^2; 0: no turn */
+    int32_t ii_q24, ij_q24, jj_q24; /* inverse of the sums behind the tilt; 0: none */
 } plfx_roi_shake;
 
 /* Least-squares rigid motion of the valid reference regions: translation from one, turn
@@ -158,8 +167,13 @@ typedef struct plfx_roi_shake {  /* motion of the camera, seen by reference regi
 plfx_status plfx_roi_shake_fit(const plfx_roi *roi, const plfx_roi_result *result,
                                plfx_roi_shake *shake) PLFX_MUST_USE;
 
-/* Subtract it from every region's displacement.  Standard errors are kept: they belong
- * to the region. */
+/* Subtract it from every region's displacement, and add its standard error there,
+ * independent of the region's:
+ *   in the plane s^2*(1/n + (di^2 + dj^2)/spread), w s^2*(1/n + d'*S^-1*d)
+ * with the references' mean standard error s.  Without a tilt (fewer than three
+ * references, or all in line) the camera's turn about an axis in the plane stays in w
+ * and is in no standard error: 0.9 mm a degree and 50 mm of distance.  References, which
+ * are part of what is subtracted, keep their standard errors. */
 void plfx_roi_steady(const plfx_roi *roi, const plfx_roi_shake *shake,
                      plfx_roi_result *result);
 

@@ -82,6 +82,9 @@ static void draw(double x, double y, double light, double sigma)
 #define LENS 9
 static uint16_t raw[LENS * 18 * LENS * 24];
 
+static double fine;     /* texture of 0.7 cycle a lens, alike in all views */
+static double bar = -9; /* lens column of a dark bar at another depth */
+
 static void draw_raw(double x, double y, double d, double light, double sigma)
 {
     int w = LENS * 24;
@@ -93,8 +96,10 @@ static void draw_raw(double x, double y, double d, double light, double sigma)
         for (i = 0; i < w; i++) {
             double u = i % LENS - LENS / 2;
             double v = j % LENS - LENS / 2;
-            raw[j * w + i] = digital(
-                texture(i / LENS - x - d * u, j / LENS - y - d * v), light, sigma);
+            double t = texture(i / LENS - x - d * u, j / LENS - y - d * v) +
+                       fine * sin(2 * PI * 0.7 * (i / LENS - x));
+            t = fabs(i / LENS + 0.15 * u - bar) < 0.8 ? 0.05 : t;
+            raw[j * w + i] = digital(t, light, sigma);
         }
     }
 }
@@ -291,6 +296,54 @@ static void slopes_and_flicker_are_separated(void **s)
     }
 }
 
+/* What the interpolator misses is alike in all views: u is less sure by it, w is not. */
+static void fine_texture_widens_the_plane_alone(void **s)
+{
+    plfx_roi_frame f = frame_of_raw();
+    double rest[2];
+    int t;
+    (void)s;
+    raw_cfg();
+    fine = 0.06;
+    start(&f, 12);
+    draw_raw(0, 0, 0, 1, 12);
+    assert_int_equal(plfx_roi_measure(&roi, &f, out), PLFX_OK);
+    rest[0] = lens((int32_t)out[0].u_sigma_q24);
+    rest[1] = lens((int32_t)out[0].w_sigma_q24);
+    for (t = 0; t < 12; t++) {
+        double x = 0.4 * sin(0.7 * t + 0.3);
+        draw_raw(x, 0, 0.004, 1, 12);
+        assert_int_equal(plfx_roi_measure(&roi, &f, out), PLFX_OK);
+        assert_true(lens((int32_t)out[0].w_sigma_q24) < 1.4 * rest[1]);
+        assert_true(fabs(lens(out[0].w_q24) - 0.004) < 4.5 * rest[1]);
+        if (fabs(x) > 0.2 && out[0].flags == 0) {
+            assert_true(lens((int32_t)out[0].u_sigma_q24) > 2 * rest[0]);
+        }
+    }
+    fine = 0;
+}
+
+/* A bar at another depth before the margin of the rest state, beside the region: the
+ * region, columns 4 to 10, reads up to column 13. */
+static void a_bar_before_the_margin_is_flagged(void **s)
+{
+    plfx_roi_frame f = frame_of_raw();
+    (void)s;
+    raw_cfg();
+    bar = 12;
+    start(&f, 4);
+    draw_raw(0.3, 0, 0, 1, 4);
+    assert_int_equal(plfx_roi_measure(&roi, &f, out), PLFX_OK);
+    assert_int_equal(out[0].flags, PLFX_ROI_OCCLUDED);
+    assert_int_equal(out[0].w_q24, PLFX_ROI_NONE);
+    bar = 16.5;
+    start(&f, 4);
+    draw_raw(0.3, 0, 0, 1, 4);
+    assert_int_equal(plfx_roi_measure(&roi, &f, out), PLFX_OK);
+    assert_int_equal(out[0].flags, 0);
+    bar = -9;
+}
+
 static void darkness_and_cover_are_flagged(void **s)
 {
     plfx_roi_frame f = frame_of_image();
@@ -396,6 +449,40 @@ static void shake_is_taken_off(void **s)
     assert_int_equal(shake.n, 0);
 }
 
+/* Three references about the middle of lenses (20, 20), (56, 20), (38, 52): what is
+ * taken off is less sure far from them; references keep their own error. */
+static void shake_adds_its_error(void **s)
+{
+    static const int16_t at[4][2] = {{20, 20}, {56, 20}, {38, 52}, {80, 52}};
+    double spread = 2 * 18 * 18 + 2 * (32.0 / 3) * (32.0 / 3) + (64.0 / 3) * (64.0 / 3);
+    double i = 80 - 38;
+    double j = 52 - 92.0 / 3;
+    double u = sqrt(4 + 1 / 3.0 + (i * i + j * j) / spread);
+    double w = sqrt(4 + 1 / 3.0 + i * i / 648 + j * j / (spread - 648));
+    plfx_roi_shake shake;
+    int k;
+    (void)s;
+    image_cfg();
+    for (k = 0; k < 4; k++) {
+        cfg.region[k].i = at[k][0];
+        cfg.region[k].j = at[k][1];
+        cfg.region[k].reference = k < 3;
+    }
+    assert_int_equal(plfx_roi_init(&roi, &cfg, aligned(), plfx_roi_ws(&cfg)), PLFX_OK);
+    memset(out, 0, sizeof out);
+    for (k = 0; k < 4; k++) {
+        out[k].u_sigma_q24 = out[k].v_sigma_q24 = k < 3 ? 10000 : 20000;
+        out[k].w_sigma_q24 = out[k].u_sigma_q24;
+    }
+    assert_int_equal(plfx_roi_shake_fit(&roi, out, &shake), PLFX_OK);
+    assert_int_equal(shake.uv_sigma_q24, 10000);
+    plfx_roi_steady(&roi, &shake, out);
+    assert_int_equal(out[0].u_sigma_q24, 10000);
+    assert_true(fabs(out[3].u_sigma_q24 - 10000 * u) < 100);
+    assert_true(fabs(out[3].v_sigma_q24 - 10000 * u) < 100);
+    assert_true(fabs(out[3].w_sigma_q24 - 10000 * w) < 100);
+}
+
 static void packed_frames_give_the_same_bits(void **s)
 {
     static uint8_t packed[LENS * 18 * LENS * 24 * 3 / 2];
@@ -470,10 +557,13 @@ int main(void)
         cmocka_unit_test(images_are_followed),
         cmocka_unit_test(stated_errors_are_the_scatter),
         cmocka_unit_test(slopes_and_flicker_are_separated),
+        cmocka_unit_test(fine_texture_widens_the_plane_alone),
+        cmocka_unit_test(a_bar_before_the_margin_is_flagged),
         cmocka_unit_test(darkness_and_cover_are_flagged),
         cmocka_unit_test(lost_regions_are_sought),
         cmocka_unit_test(smooth_edge_and_clipped_regions_are_flagged),
         cmocka_unit_test(shake_is_taken_off),
+        cmocka_unit_test(shake_adds_its_error),
         cmocka_unit_test(packed_frames_give_the_same_bits),
         cmocka_unit_test(bad_configurations_are_refused),
         cmocka_unit_test(the_macro_bounds_the_function),
