@@ -44,6 +44,8 @@ typedef struct job {
     void *ws;
     plfx_roi_result out[PLFX_ROI_MAX];
     double freq[MODES_MAX], zeta[MODES_MAX];
+    double place[PLFX_ROI_MAX][3]; /* of the regions on the object, mm */
+    int placed;
     int modes;
     int find;                /* modes from the spectrum of the whole series */
     plfx_modal *modal;       /* [region][mode] */
@@ -197,6 +199,7 @@ static int configure(job *j)
     int rc = plft_table_read(&j->table, j->r.table);
 
     rc = rc ? rc : plft_regions_read(&j->cfg, j->r.regions);
+    rc = rc ? rc : plft_regions_places(j->r.regions, j->place, &j->placed);
     if (rc != 0) {
         return rc;
     }
@@ -252,8 +255,8 @@ static void csv_head(job *j)
 
     fprintf(j->csv.file,
             "frame,time_s,region,u_%s,v_%s,w_%s,u_sigma_%s,v_sigma_%s,w_sigma_%s,"
-            "light_ratio,residual_ratio,flags\n",
-            uv, uv, w, uv, uv, w);
+            "light_ratio,residual_ratio,flags%s\n",
+            uv, uv, w, uv, uv, w, j->placed ? ",x_mm,y_mm,z_mm" : "");
 }
 
 static void csv_number(FILE *f, int32_t v, double s)
@@ -276,9 +279,14 @@ static void csv_rows(job *j, long number, double time)
         csv_number(f, o->u_q24, scale(j, 0));
         csv_number(f, o->v_q24, scale(j, 1));
         csv_number(f, o->w_q24, scale(j, 2));
-        fprintf(f, ",%.5g,%.5g,%.5g,%.4f,%.3f,%u\n", o->u_sigma_q24 * scale(j, 0),
+        fprintf(f, ",%.5g,%.5g,%.5g,%.4f,%.3f,%u", o->u_sigma_q24 * scale(j, 0),
                 o->v_sigma_q24 * scale(j, 1), o->w_sigma_q24 * fabs(scale(j, 2)),
                 o->light_q12 / 4096.0, o->residual_q8 / 256.0, o->flags);
+        if (j->placed) {
+            fprintf(f, ",%.9g,%.9g,%.9g", j->place[k][0], j->place[k][1],
+                    j->place[k][2]);
+        }
+        fputc('\n', f);
     }
 }
 
@@ -654,6 +662,7 @@ static int write_outputs(job *j, int rows)
     m.sigma = j->sigma;
     m.flags = j->flags;
     m.region = j->cfg.region;
+    m.place = j->placed ? (const double(*)[3])j->place : NULL;
     m.rows = rows;
     m.regions = j->cfg.regions;
     m.rate = j->r.rate;
@@ -666,7 +675,8 @@ static int write_outputs(job *j, int rows)
     rc = rc || !j->find ? rc : find_modes(j, rows);
     if (rc == 0 && j->r.uff) {
         rc = plft_uff_write(j->r.uff, j->series, rows, j->cfg.regions, 1.0 / j->r.rate,
-                            j->r.mm_lens > 0 && j->r.mm_slope != 0 ? "mm" : "pitch");
+                            j->r.mm_lens > 0 && j->r.mm_slope != 0 ? "mm" : "pitch",
+                            m.place);
     }
     rc = rc || !j->r.hdf5 ? rc : plft_hdf5_write(j->r.hdf5, &m);
     return rc || !j->r.report ? rc : write_report(j, &m);
@@ -753,7 +763,7 @@ static int parse(int argc, char **argv, request *r, const char **operands, int *
     const plft_option options[] = {
         {"--lut", PLFT_TEXT, &r->table, "CAM.plut", 0, 0, "lens table"},
         {"--regions", PLFT_TEXT, &r->regions, "R.csv", 0, 0,
-         "columns i,j,hx,hy[,reference], lenses"},
+         "columns i,j,hx,hy[,reference], lenses, and [x_mm,y_mm,z_mm]"},
         {"-o", PLFT_TEXT, &r->out, "SERIES.csv", 0, 0, "the series"},
         {"--rate", PLFT_REAL, &r->rate, "HZ", 1, 8000, "frames a second (200)"},
         {"--rest", PLFT_INT, &r->rest, "N", 1, PLFX_ROI_REST_MAX,

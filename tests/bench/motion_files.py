@@ -23,11 +23,20 @@ series = np.array([[float(r[k]) if r[k] and r['flags'] == '0' else np.nan for k 
                    for r in rows]).reshape(-1, regions, 3)
 hdf = h5py.File(path_h5)
 sets = pyuff.UFF(path_uff).read_sets()
+nodes = [s for s in sets if s['type'] == 15]
+sets = [s for s in sets if s['type'] == 58]
 uff = np.array([s['data'] for s in sets]).reshape(regions, 3, -1).transpose(2, 0, 1)
 scale = np.nanmax(np.abs(series))
 worst_h5 = np.nanmax(np.abs(hdf['displacement'][:] - series)) / scale
 worst_uff = np.nanmax(np.abs(uff - np.nan_to_num(hdf['displacement'][:]))) / scale
 same = np.array_equal(np.isnan(hdf['displacement'][:]), np.isnan(series))
+if 'x_mm' in rows[0]:
+    place = np.array([[float(r[k]) for k in ('x_mm', 'y_mm', 'z_mm')]
+                      for r in rows[:regions]])
+    seen = np.array([nodes[0][k] for k in 'xyz']).T
+    same &= len(nodes) == 1 and np.allclose(seen, place, rtol=1e-5)
+    same &= np.allclose(hdf['place'][:], place, rtol=1e-8)
+    print(f'places of {len(seen)} nodes agree: {same}')
 print(f'{len(sets)} UFF sets of {len(uff)} samples; CSV and HDF5 differ by '
       f'{worst_h5:.1e}, HDF5 and UFF by {worst_uff:.1e}; gaps agree: {same}; '
       f'units {hdf["displacement"].attrs["units"]}')

@@ -65,10 +65,18 @@ for n in $(seq 100 231); do
     esac
     ln -s ../$from/scene.png swing/f_$n.png
 done
+awk -F, -v OFS=, 'NR == 1 {print $0, "x_mm,y_mm,z_mm"; next}
+    {print $0, 1.125 * $1, -2.5 * NR, 7}' r.csv >places.csv
+mv places.csv r.csv
 monitor swing -o w.csv --rest 1 --rate 160 --modes auto --report r.html --packets w.bin \
     --link 57600 --uff w.uff >log
 grep -Eq '^mode (19\.9[0-9]*|20(\.0[0-9]*)?) Hz: (19\.9|20\.0)[0-9]* ' log
 [ $(($(wc -c <w.bin) * 8 * 160)) -le $((57600 * 131)) ]
+# Where the regions lie goes along: the file of regions asked for it.
+head -1 w.csv | grep -q ',flags,x_mm,y_mm,z_mm$'
+[ "$(sed -n 3p w.csv | cut -d, -f13-)" = 24.75,-7.5,7 ]
+grep -A3 '^    15$' w.uff | sed -n 3p | grep -Eq '^ +2 +0 +0 +0 +2\.47500E\+01 -7\.50000E\+00 +7\.0'
+[ "$(grep -c '^   164$' w.uff)" = 1 ] && [ "$(grep -c '^    58$' w.uff)" = 12 ]
 "$plenofix" decode w.bin -o w2.csv >log
 grep -q ' 0 lost, 0 damaged places' log
 grep -q '<h2>Modes</h2>' r.html
@@ -97,6 +105,10 @@ printf 'i,j,hx\n1,1,1\n' >r.csv
 bad 1 'no column hy' monitor f -o x.csv
 printf 'i,j,hx,hy\n9,9,99,3\n' >r.csv
 bad 1 'half sizes' monitor f -o x.csv
+printf 'i,j,hx,hy,x_mm\n9,9,3,3,1\n' >r.csv
+bad 1 'all of x_mm, y_mm, z_mm or none' monitor f -o x.csv
+printf 'i,j,hx,hy,x_mm,y_mm,z_mm\n9,9,3,3,1,2,\n' >r.csv
+bad 1 'region 0: want x_mm' monitor f -o x.csv
 { echo i,j,hx,hy; for n in $(seq 65); do echo $n,9,1,1; done; } >r.csv
 bad 1 '65 regions, want 1 to 64' monitor f -o x.csv
 [ ! -e x.csv ]

@@ -69,6 +69,14 @@ static int regions(hid_t file, const plft_series *m)
                "region; i,j,hx,hy,reference");
 }
 
+static int places(hid_t file, const plft_series *m)
+{
+    hsize_t dims[2] = {(hsize_t)m->regions, 3};
+
+    return m->place == NULL || put(file, "place", H5T_NATIVE_DOUBLE, H5T_IEEE_F64LE, 2,
+                                   dims, m->place, "mm", "region; x,y,z");
+}
+
 static int fill(hid_t file, const plft_series *m)
 {
     hsize_t dims[3] = {(hsize_t)m->rows, (hsize_t)m->regions, 3};
@@ -83,7 +91,8 @@ static int fill(hid_t file, const plft_series *m)
                units, "frame; region; u,v,w") &&
            put(file, "flags", H5T_NATIVE_UCHAR, H5T_STD_U8LE, 2, dims, m->flags, "bits",
                "frame; region") &&
-           regions(file, m) && text(file, "program", "plenofix monitor");
+           regions(file, m) && places(file, m) &&
+           text(file, "program", "plenofix monitor");
 }
 
 int plft_hdf5_write(const char *path, const plft_series *m)

@@ -11,6 +11,7 @@ typedef struct plft_series {    /* what monitor measured */
     const double *sigma;        /* the same */
     const unsigned char *flags; /* [rows][regions] */
     const plfx_roi_region *region;
+    const double (*place)[3]; /* [regions], mm; NULL: not known */
     int rows, regions;
     double rate;
     const char *uv_unit, *w_unit;
@@ -19,8 +20,8 @@ typedef struct plft_series {    /* what monitor measured */
 /* 1 when plft_hdf5_write() can. */
 int plft_hdf5_built(void);
 
-/* Datasets time, displacement, sigma, flags, region with units as attributes; written
- * under a temporary name.  0 or PLFT_DATA. */
+/* Datasets time, displacement, sigma, flags, region, place where it is known, with units
+ * as attributes; written under a temporary name.  0 or PLFT_DATA. */
 int plft_hdf5_write(const char *path, const plft_series *m);
 
 #endif

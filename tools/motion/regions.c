@@ -89,6 +89,50 @@ int plft_regions_read(plfx_roi_cfg *cfg, const char *path)
     return rc;
 }
 
+static int places(const plft_csv *csv, const int col[3], const char *path,
+                  double place[PLFX_ROI_MAX][3])
+{
+    size_t r;
+    int k;
+
+    for (r = 0; r < csv->rows && r < PLFX_ROI_MAX; r++) {
+        for (k = 0; k < 3; k++) {
+            place[r][k] = csv->v[r * (size_t)csv->cols + (size_t)col[k]];
+            if (!isfinite(place[r][k])) {
+                return plft_fail(PLFT_DATA, "%s: region %zu: want x_mm, y_mm and z_mm",
+                                 path, r);
+            }
+        }
+    }
+    return 0;
+}
+
+int plft_regions_places(const char *path, double place[PLFX_ROI_MAX][3], int *known)
+{
+    static const char *const name[3] = {"x_mm", "y_mm", "z_mm"};
+    int col[3];
+    plft_csv csv;
+    int rc = plft_csv_read(&csv, path);
+    int k;
+
+    *known = 0;
+    if (rc != 0) {
+        return rc;
+    }
+    for (k = 0; k < 3; k++) {
+        col[k] = plft_csv_column(&csv, name[k]);
+        *known += col[k] >= 0;
+    }
+    if (*known == 3) {
+        rc = places(&csv, col, path, place);
+    } else if (*known > 0) {
+        rc = plft_fail(PLFT_DATA, "%s: want all of x_mm, y_mm, z_mm or none", path);
+    }
+    *known = *known == 3;
+    plft_csv_free(&csv);
+    return rc;
+}
+
 int plft_regions_write(const plfx_roi_region *region, int n, const char *path)
 {
     plft_out out = {NULL, NULL, NULL};

@@ -40,8 +40,23 @@ static void one(FILE *f, const double *v, int rows, size_t step)
     fprintf(f, "    -1\n");
 }
 
+/* Code 5: mm, mN; divide by the factors to come to m, N, K. */
+static void nodes(FILE *f, const double (*place)[3], int regions)
+{
+    int k;
+
+    fprintf(f, "    -1\n   164\n%10d%-20s%10d\n", 5, "mm (milli-newton)", 2);
+    fprintf(f, "%25.17E%25.17E%25.17E\n%25.17E\n    -1\n", 1e3, 1e3, 1.0, 273.15);
+    fprintf(f, "    -1\n    15\n");
+    for (k = 0; k < regions; k++) {
+        fprintf(f, "%10d%10d%10d%10d%13.5E%13.5E%13.5E\n", k + 1, 0, 0, 0, place[k][0],
+                place[k][1], place[k][2]);
+    }
+    fprintf(f, "    -1\n");
+}
+
 int plft_uff_write(const char *path, const double *series, int rows, int regions,
-                   double dt, const char *unit)
+                   double dt, const char *unit, const double (*place)[3])
 {
     plft_out out = {NULL, NULL, NULL};
     size_t step = 3u * (size_t)regions;
@@ -50,6 +65,9 @@ int plft_uff_write(const char *path, const double *series, int rows, int regions
     int a;
     int r;
 
+    if (rc == 0 && place != NULL) {
+        nodes(out.file, place, regions);
+    }
     for (k = 0; rc == 0 && k < regions; k++) {
         for (a = 0; a < 3; a++) {
             const double *v = series + 3 * k + a;
