@@ -89,6 +89,39 @@ else
     grep -q 'without HDF5' err
 fi
 
+# Regions off the lattice, without texture; frames lost, a light that goes out and comes
+# back: flags, empty fields, never a number without one.
+cat >g.json <<'JSON'
+{"seed": 3, "rays": 1, "frames": ["scene"],
+ "camera": {"F_mm": 50, "focus_mm": 480, "f_mu_mm": 0.5, "pitch_mm": 0.125,
+            "pixel_mm": 0.0074, "lenses": [36, 28]},
+ "sensor": {"bits": 12, "full_well_e": 30000},
+ "objects": [{"type": "plane", "z_mm": 560, "texture": {"pattern": "none", "mean": 0.5}}]}
+JSON
+"$plenofix" simulate g.json -o flat
+for name in dim dark; do
+    [ $name = dim ] && exposure=0.18 || exposure=0.01
+    sed "s/\"full_well_e\": 30000/&, \"exposure\": $exposure/" s.json >l.json
+    "$plenofix" simulate l.json -o $name
+done
+mkdir lamp
+for n in 00 01 02 03 04 08; do ln -s ../a/scene.png lamp/f_$n.png; done
+ln -s ../dim/scene.png lamp/f_05.png
+ln -s ../dark/scene.png lamp/f_06.png
+printf 'i,j,hx,hy\n10,9,3,4\n900,9,3,4\n-40,9,3,4\n35,27,3,3\n' >r.csv
+monitor lamp -o lamp.csv --rest 4 --modes 10 >log
+grep -q '^4 frames, 4 regions, 1 lost' log
+awk -F, 'NR > 1 && $3 > 0 && ($4 != "" || $5 != "" || $6 != "" || $12 != 8) {exit 1}' lamp.csv
+awk -F, '$3 == 0 && ($1 == 4 || $1 == 8) && $12 != 0 {exit 1}' lamp.csv
+awk -F, '$3 == 0 && ($1 == 5 || $1 == 6) {n += $12 >= 128} END {exit n != 2}' lamp.csv
+awk -F, '$1 == 7 {exit 1}' lamp.csv
+[ "$(awk -F, '$1 == 8 {print $2; exit}' lamp.csv)" = 0.020000 ]
+mkdir plain
+for n in 0 1 2 3 4 5; do ln -s ../flat/scene.png plain/f_$n.png; done
+printf 'i,j,hx,hy\n10,9,3,4\n' >r.csv
+monitor plain -o flat.csv --rest 4 >log
+awk -F, 'NR > 1 && ($4 != "" || $12 != 1) {exit 1}' flat.csv
+
 bad() { # exit status wanted, words wanted, command
     local want=$1 words=$2 got=0
     shift 2
