@@ -287,13 +287,14 @@ typedef struct lens_sums {
     int32_t g[3], own[3], used; /* < 2^23 */
 } lens_sums;
 
-static lens_sums over_views(const plfx_roi *roi, const plfx_roi_patch *p, size_t s)
+static void over_views(const plfx_roi *roi, const plfx_roi_patch *p, size_t s,
+                       lens_sums *sum)
 {
     size_t n = (size_t)p->w * (size_t)p->h;
-    lens_sums sum = {{0, 0, 0}, {0, 0, 0}, 0};
     int32_t view;
     int32_t k;
 
+    memset(sum, 0, sizeof *sum);
     for (view = 0; view < roi->cfg.views; view++) {
         size_t at = n * (size_t)view + s;
         int64_t g[3];
@@ -304,12 +305,11 @@ static lens_sums over_views(const plfx_roi *roi, const plfx_roi_patch *p, size_t
         response(roi, p, view, at, g);
         orthogonal(roi, p, view, at, own);
         for (k = 0; k < 3; k++) {
-            sum.g[k] += (int32_t)g[k];
-            sum.own[k] += (int32_t)own[k];
+            sum->g[k] += (int32_t)g[k];
+            sum->own[k] += (int32_t)own[k];
         }
-        sum.used++;
+        sum->used++;
     }
-    return sum;
 }
 
 /* The same for an error of unit variance that is one number a lens: what the
@@ -326,7 +326,8 @@ static void spread_common(const plfx_roi *roi, plfx_roi_patch *p, const moments 
 
     memset(v, 0, sizeof v);
     for (s = 0; s < n; s++) {
-        lens_sums sum = over_views(roi, p, s);
+        lens_sums sum;
+        over_views(roi, p, s, &sum);
         for (k = 0; k < 3; k++) {
             for (l = 0; l < 3; l++) { /* a 256th: the sums divide by the scale */
                 v[k][l] += plfx_asr_i64((int64_t)sum.own[k] * sum.own[l], 8);

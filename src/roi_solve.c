@@ -209,13 +209,10 @@ typedef struct place {
     int64_t lx[5], ly[5];
 } place;
 
-static place place_of(const int32_t d[3])
+static void place_of(const int32_t d[3], place *at)
 {
-    place at;
-
-    basis(d[0], at.lx);
-    basis(d[1], at.ly);
-    return at;
+    basis(d[0], at->lx);
+    basis(d[1], at->ly);
 }
 
 /* Energy that displacement d and the gain a put into the differences: with R' the rest
@@ -523,7 +520,7 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     }
     plfx_roi_linear(p, &s, l.gain_q20, linear);
     invert(p, linear, d);
-    at = place_of(d);
+    place_of(d, &at);
     l = true_light(p, l, &at);
     out->light_q12 = sat_u16(plfx_asr_i32(l.gain_q20, 8));
     if (l.gain_q20 < 1 << 18 || l.gain_q20 > 4 << 20) {
