@@ -154,7 +154,9 @@ static void blur_is_the_mean_of_its_instants(void **state)
     mean = calloc(2 * n, sizeof *mean);
     assert_non_null(mean);
     for (i = 0; i < 4; i++) {
+        double shift = plft_motion_pose(&scene.motion, 0.00125 * (i + 0.5)).shift[0];
         truth[i] = next_frame();
+        assert_true(fabs(truth[i].pose.shift[0] - shift) < 1e-12);
         for (k = 0; k < n; k++) {
             mean[k] += 0.25 * film.sum[k];
             mean[n + k] = i == 0 ? film.sum[k] : mean[n + k];
