@@ -309,8 +309,9 @@ static int64_t over_q8(int64_t left, int64_t noise_q8, int64_t moved)
     return left * 256 / (noise_q8 + moved * 11 + 1);
 }
 
-/* The same for what lies apart, where twice the way from 1 counts.  Energy under 0 tells
- * that the rest state promised what is not there: something stood before its margin. */
+/* The same for what lies apart, where twice the way from 1 counts.  Energy under 0
+ * tells that the rest state promised what is not there: something stood before its
+ * margin. */
 static int64_t apart(const plfx_roi_patch *p, int64_t left, int64_t noise_q8,
                      int64_t moved)
 {

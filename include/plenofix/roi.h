@@ -18,11 +18,11 @@
  * Standard error of a frame: the bound from the region's own gradients (inverse of the
  * information matrix), with the correlation of views that share sensor pixels, times
  * the rms of what the displacement leaves unexplained, at least the rest state's noise.
- * What is unexplained is split, lens by lens, into its mean over the views and what lies
- * apart from it.  What the interpolator misses of texture finer than two lenses is alike
- * in all views: it is no noise, and its standard error is that of one view; its size is
- * how far the mean's energy is from the noise, over it or under.  What lies apart is
- * noise, or something before the region at another depth.  The rest state's own error,
+ * What is unexplained is split, lens by lens, into its mean over the views and what
+ * lies apart from it.  What the interpolator misses of texture finer than two lenses is
+ * alike in all views: it is no noise, and its standard error is that of one view; its
+ * size is how far the mean's energy is from the noise, over it or under.  What lies
+ * apart is noise, or something before the region at another depth.  The rest state's own error,
  * 1/sqrt(rest) of a frame's, is common to all frames and in no standard error.
  *
  * Work in a frame and region of n lenses, k views: k*n samples of 4 multiply-adds (two
@@ -172,8 +172,8 @@ plfx_status plfx_roi_shake_fit(const plfx_roi *roi, const plfx_roi_result *resul
  *   in the plane s^2*(1/n + (di^2 + dj^2)/spread), w s^2*(1/n + d'*S^-1*d)
  * with the references' mean standard error s.  Without a tilt (fewer than three
  * references, or all in line) the camera's turn about an axis in the plane stays in w
- * and is in no standard error: 0.9 mm a degree and 50 mm of distance.  References, which
- * are part of what is subtracted, keep their standard errors. */
+ * and is in no standard error: 0.9 mm a degree and 50 mm of distance.  References,
+ * which are part of what is subtracted, keep their standard errors. */
 void plfx_roi_steady(const plfx_roi *roi, const plfx_roi_shake *shake,
                      plfx_roi_result *result);
 

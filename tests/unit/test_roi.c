@@ -296,7 +296,7 @@ static void slopes_and_flicker_are_separated(void **s)
     }
 }
 
-/* What the interpolator misses is alike in all views: u is less sure by it, w is not. */
+/* What the interpolator misses is alike in all views: u is less sure, w is not. */
 static void fine_texture_widens_the_plane_alone(void **s)
 {
     plfx_roi_frame f = frame_of_raw();

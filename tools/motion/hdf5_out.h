@@ -20,8 +20,8 @@ typedef struct plft_series {    /* what monitor measured */
 /* 1 when plft_hdf5_write() can. */
 int plft_hdf5_built(void);
 
-/* Datasets time, displacement, sigma, flags, region, place where it is known, with units
- * as attributes; written under a temporary name.  0 or PLFT_DATA. */
+/* Datasets time, displacement, sigma, flags, region, place where it is known, with
+ * units as attributes; written under a temporary name.  0 or PLFT_DATA. */
 int plft_hdf5_write(const char *path, const plft_series *m);
 
 #endif

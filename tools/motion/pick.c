@@ -136,7 +136,25 @@ static int views_agree(const scan *s, const plft_pick *c)
     return sum - 2.0 * s->noise <= limit * limit;
 }
 
-/* One surface: enough slopes, and the 10th and 90th percentile near each other. */
+/* Slopes of another surface in the region and its margin, where something at another
+ * depth biases w. */
+static int others(const scan *s, const plft_pick *c)
+{
+    int hw = s->wish->w / 2 + PLFX_ROI_MARGIN;
+    int hh = s->wish->h / 2 + PLFX_ROI_MARGIN;
+    int n = 0, x, y;
+
+    for (y = c->j - hh; y <= c->j + hh; y++) {
+        for (x = c->i - hw; x <= c->i + hw; x++) {
+            int32_t q = s->map.slope_q16[(size_t)y * (size_t)s->map.stride + (size_t)x];
+            n += q != PLFX_SLOPE_NONE && fabs(q / 65536.0 - c->slope) > 0.5 * s->limit;
+        }
+    }
+    return n;
+}
+
+/* One surface: enough slopes, the 10th and 90th percentile near each other, and few
+ * others around. */
 static int one_surface(const scan *s, plft_pick *c)
 {
     double v[(2 * PLFX_ROI_HALF_MAX + 1) * (2 * PLFX_ROI_HALF_MAX + 1)];
@@ -155,7 +173,8 @@ static int one_surface(const scan *s, plft_pick *c)
     }
     qsort(v, (size_t)n, sizeof *v, by_value);
     c->slope = v[n / 2];
-    return v[n - 1 - n / 10] - v[n / 10] < s->limit && views_agree(s, c);
+    return v[n - 1 - n / 10] - v[n / 10] < s->limit &&
+           others(s, c) * 10 <= s->wish->w * s->wish->h && views_agree(s, c);
 }
 
 static int lenses_ok(const scan *s, const plft_pick *c)
