@@ -22,8 +22,9 @@
  * lies apart from it.  What the interpolator misses of texture finer than two lenses is
  * alike in all views: it is no noise, and its standard error is that of one view; its
  * size is how far the mean's energy is from the noise, over it or under.  What lies
- * apart is noise, or something before the region at another depth.  The rest state's own error,
- * 1/sqrt(rest) of a frame's, is common to all frames and in no standard error.
+ * apart is noise, or something before the region at another depth.  The rest state's
+ * own error, 1/sqrt(rest) of a frame's, is common to all frames and in no standard
+ * error.
  *
  * Work in a frame and region of n lenses, k views: k*n samples of 4 multiply-adds (two
  * more when the raw frame is packed) and 3 more for the sums, 1450 for the solution; at

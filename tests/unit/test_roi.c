@@ -483,6 +483,32 @@ static void shake_adds_its_error(void **s)
     assert_true(fabs(out[3].w_sigma_q24 - 10000 * w) < 100);
 }
 
+/* One reference: its own error, however far the region; no turn can be told.  Errors
+ * end at INT32_MAX. */
+static void one_reference_adds_its_error_alone(void **s)
+{
+    plfx_roi_shake shake;
+    int k;
+    (void)s;
+    image_cfg();
+    for (k = 0; k < 4; k++) {
+        cfg.region[k].reference = k == 0;
+    }
+    assert_int_equal(plfx_roi_init(&roi, &cfg, aligned(), plfx_roi_ws(&cfg)), PLFX_OK);
+    memset(out, 0, sizeof out);
+    for (k = 0; k < 4; k++) {
+        out[k].u_sigma_q24 = out[k].v_sigma_q24 = out[k].w_sigma_q24 = 30000;
+    }
+    out[3].v_sigma_q24 = INT32_MAX;
+    assert_int_equal(plfx_roi_shake_fit(&roi, out, &shake), PLFX_OK);
+    assert_int_equal(shake.n, 1);
+    plfx_roi_steady(&roi, &shake, out);
+    assert_int_equal(out[0].u_sigma_q24, 30000);
+    assert_true(fabs(out[3].u_sigma_q24 - 30000 * sqrt(2)) < 2);
+    assert_true(fabs(out[3].w_sigma_q24 - 30000 * sqrt(2)) < 2);
+    assert_int_equal(out[3].v_sigma_q24, INT32_MAX);
+}
+
 static void packed_frames_give_the_same_bits(void **s)
 {
     static uint8_t packed[LENS * 18 * LENS * 24 * 3 / 2];
@@ -564,6 +590,7 @@ int main(void)
         cmocka_unit_test(smooth_edge_and_clipped_regions_are_flagged),
         cmocka_unit_test(shake_is_taken_off),
         cmocka_unit_test(shake_adds_its_error),
+        cmocka_unit_test(one_reference_adds_its_error_alone),
         cmocka_unit_test(packed_frames_give_the_same_bits),
         cmocka_unit_test(bad_configurations_are_refused),
         cmocka_unit_test(the_macro_bounds_the_function),
