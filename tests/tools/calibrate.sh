@@ -44,6 +44,30 @@ png("flat.png", w, h, [120] * (w * h))
 png("noise.png", w, h, [random.randrange(256) for _ in range(w * h)])
 png("photo.png", w, h, [level(120 + 60 * math.sin(x * x / 4000) + 40 * math.cos(y / 17)
                               + random.gauss(0, 2)) for y in range(h) for x in range(w)])
+def texture(name, light, turn=0.05):
+    c, s, out = math.cos(turn), math.sin(turn), []
+    for y in range(h):
+        for x in range(w):
+            out.append(level(random.gauss(sum(
+                light(c * u - s * v, s * u + c * v) for u, v in
+                ((x, y), (x + .5, y), (x, y + .5), (x + .5, y + .5))) / 4, 1.5)))
+    png(name, w, h, out)
+def even(a, b):
+    return (math.floor(a) + math.floor(b)) % 2 == 0
+texture("checker.png", lambda x, y: 220 if even(x / 11, y / 11) else 40)
+texture("upright.png", lambda x, y: 220 if even(x / 10, y / 10) else 40, 0)
+def brick(x, y):
+    row = math.floor(y / 14)
+    x += 14 * (row % 2)
+    return 40 if y % 14 < 3 or x % 28 < 3 else 120 + 25 * math.sin(
+        row * 12.9 + math.floor(x / 28) * 78.2)
+texture("bricks.png", brick)
+texture("mortar.png", lambda x, y: 240 - brick(x, y))
+def window(x, y):
+    n = math.sin(math.floor(x / 18) * 12.9898 + math.floor(y / 18) * 78.233)
+    return 180 + 40 * n if x % 18 < 11 and y % 18 < 11 else 25
+texture("windows.png", window)
+texture("facade.png", lambda x, y: 205 - window(x, y))
 PY
 
 has() { grep -q -- "$2" "$1" || { echo "want $2 in:"; cat "$1"; exit 1; }; }
@@ -78,6 +102,9 @@ refused 1 "saturated" white.png -o none.plut
 refused 1 "uniform" flat.png -o none.plut
 refused 1 "no lens" noise.png -o none.plut
 refused 1 "no lens" photo.png -o none.plut
+for texture in checker upright bricks mortar windows facade; do
+    refused 1 "no lens pattern" $texture.png -o none.plut
+done
 refused 1 "fewer than 5 x 5" few.png -o none.plut
 refused 1 "one size" dots.png few.png -o none.plut
 refused 1 "neither" dots.png --lattice hex -o none.plut

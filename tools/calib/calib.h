@@ -40,6 +40,7 @@ typedef struct plft_calib {
     double edge_radius;   /* where the micro-image has fallen to half, px */
     double usable_radius; /* default aperture radius, px */
     double crosstalk;     /* light at the border between two lenses over the centre's */
+    double outline; /* rms of its half-light radius over the mean, calib/outline.h */
     double origin_sigma, pitch_sigma, rotation_sigma; /* px, px, degrees */
     int found, missing, dim, clipped, interpolated, off_sensor;
     char reason[200]; /* why nothing was found; empty on success */

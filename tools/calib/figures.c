@@ -2,6 +2,8 @@
  * Figures of a calibration. */
 #include "calib/figures.h"
 
+#include "calib/outline.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -49,6 +51,14 @@ plft_verdict plft_calib_verdict(const plft_calib *c, const plft_grey *g, char *r
     if (left > 0.05) {
         return say(PLFT_AMBER, reason, size,
                    "lenses lie %.3f px off the lattice without a pattern", left);
+    }
+    if (plft_outline_odd(c) != 0) {
+        return say(
+            PLFT_AMBER, reason, size,
+            "the micro-images are not round (their half-light radius varies by "
+            "%.0f %%): so look overlapping ones, those of a bladed aperture, and "
+            "photographs of something regular",
+            100.0 * c->outline);
     }
     if (c->origin_sigma > 0.05) {
         return say(
@@ -170,6 +180,7 @@ json_t *plft_figures_json(const plft_calib *c, const plft_grey *g,
     put_lenses(root, c);
     put(root, "usable_radius", c->usable_radius);
     put(root, "micro_image_radius", c->edge_radius);
+    put(root, "micro_image_unevenness", c->outline);
     put(root, "crosstalk", c->crosstalk);
     json_object_set_new(root, "hot_pixels", json_integer(g->hot));
     json_object_set_new(root, "saturated_pixels", json_integer(g->saturated));

@@ -3,6 +3,7 @@
 #include "calib/calib.h"
 
 #include "calib/linalg.h"
+#include "calib/outline.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -451,6 +452,15 @@ int plft_calib_finish(plft_calib *c, const plft_grey *g, const plft_calib_option
         return fail(c,
                     "no lens lattice: the places found scatter by more than an eighth "
                     "of the pitch");
+    }
+    plft_outline(c);
+    if (plft_outline_odd(c) == 1) {
+        snprintf(c->reason, sizeof c->reason,
+                 "no lens pattern: what repeats is not the round image of an aperture "
+                 "(its half-light radius varies by %.0f %%) but some texture, or "
+                 "images that overlap",
+                 100.0 * c->outline);
+        return -1;
     }
     sigmas(c);
     return 0;
