@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/device.h"
 #include "common/err.h"
 #include "common/memory.h"
 #include "common/match.h"
@@ -15,6 +16,8 @@
 #define ARRAY_REACH 12.0 /* pixels a view step */
 #define CROWD       0.01 /* share of the samples at an end that asks for more range */
 #define EXTENSIONS  3
+#define SIDE_LEAST  192 /* of views of an array, folded for the search */
+#define FOLD_WINDOW 5   /* on folded views: small things count too */
 #define WEAK                                                                           \
     (PLFX_FLAG_TEXTURE | PLFX_FLAG_EDGE | PLFX_FLAG_RANGE_END | PLFX_FLAG_UNIQUE)
 
@@ -132,19 +135,93 @@ static double crowd(const plfx_map *map, double end, double label)
     return m > 0 ? (double)near / (double)m : 0.0;
 }
 
+/* Large views of an array are searched at 1/fold of their size. */
+static int fold_of(const plft_field *field)
+{
+    int side = field->nx < field->ny ? field->nx : field->ny;
+    int fold = 1;
+
+    while (field->lut == NULL && side / (2 * fold) >= SIDE_LEAST) {
+        fold *= 2;
+    }
+    return fold;
+}
+
+/* Means of fold x fold samples: into the same memory, which no row outruns. */
+static void fold_views(plfx_views *v, int fold)
+{
+    int nx = v->nx / fold, ny = v->ny / fold, i, k, x, y;
+    unsigned area = (unsigned)(fold * fold);
+
+    for (i = 0; i < nx * ny * v->n; i++) {
+        unsigned sum = area / 2;
+        x = i % nx;
+        k = i / nx % v->n;
+        for (y = 0; y < fold; y++) {
+            const uint16_t *row =
+                v->px +
+                ((size_t)(i / nx / v->n * fold + y) * (size_t)v->n + (size_t)k) *
+                    (size_t)v->nx +
+                (size_t)(x * fold);
+            int j;
+            for (j = 0; j < fold; j++) {
+                sum += row[j];
+            }
+        }
+        v->px[i] = (uint16_t)(sum / area);
+    }
+    v->nx = nx;
+    v->ny = ny;
+}
+
+static int match_folded(const plfx_plan *plan, const plft_field *field, int fold,
+                        const plfx_map *map, plft_times *times)
+{
+    double t0 = plft_cpu_s(), t1;
+    plfx_views views;
+    int rc = plft_field_views(field, plan->cfg.at, plan->cfg.n, &views);
+
+    t1 = plft_cpu_s();
+    times->extract += t1 - t0;
+    if (rc == 0) {
+        fold_views(&views, fold);
+        rc = plft_device_match(field->device, plan, &views, map);
+        free(views.px);
+    }
+    times->match += plft_cpu_s() - t1;
+    return rc;
+}
+
 /* Match over lo .. hi with the views of `cfg`. */
 static int coarse_map(const plft_field *field, plfx_cfg *cfg, double lo, double hi,
                       plfx_map *map, plft_times *times)
 {
+    int fold = fold_of(field);
+    plft_field small = *field;
     plfx_plan plan;
+    size_t i;
     int rc;
 
-    cfg->labels = (uint16_t)labels_for(hi - lo, baseline(cfg, 1));
-    cfg->slope_min_q16 = (int32_t)lround(lo * 65536.0);
-    cfg->slope_max_q16 = (int32_t)lround(hi * 65536.0);
-    rc = plft_plan(&plan, cfg, field);
-    rc = rc != 0 ? rc : plft_slopes_alloc(map, field->nx, field->ny);
-    return rc != 0 ? rc : plft_match(&plan, field, map, times);
+    small.nx /= fold;
+    small.ny /= fold;
+    small.scale *= fold;
+    cfg->labels = (uint16_t)labels_for(hi - lo, baseline(cfg, 1) / fold);
+    cfg->slope_min_q16 = (int32_t)lround(lo / fold * 65536.0);
+    cfg->slope_max_q16 = (int32_t)lround(hi / fold * 65536.0);
+    cfg->window =
+        fold > 1 && cfg->window > FOLD_WINDOW ? (uint8_t)FOLD_WINDOW : cfg->window;
+    rc = plft_plan(&plan, cfg, &small);
+    rc = rc != 0 ? rc : plft_slopes_alloc(map, small.nx, small.ny);
+    if (rc != 0 || fold == 1) {
+        return rc != 0 ? rc : plft_match(&plan, field, map, times);
+    }
+    rc = match_folded(&plan, field, fold, map, times);
+    for (i = 0; rc == 0 && i < (size_t)small.nx * (size_t)small.ny; i++) {
+        if (map->slope_q16[i] != PLFX_SLOPE_NONE) {
+            map->slope_q16[i] *= fold;
+        }
+    }
+    return rc;
 }
 
 /* One coarse match over lo .. hi: replaces them by what was found there, an end that
