@@ -19,8 +19,8 @@ typedef struct state {
     plfx_engine *engine;    /* of SWEEP and PAIRS */
     plfx_arms_stream *arms; /* of ARMS */
     plfx_gather gather;
-    int32_t below;  /* lens rows after its own that a map row waits for */
-    plfx_lut table; /* of a fed stream: its rows in the workspace */
+    int32_t below;   /* lens rows after its own that a map row waits for */
+    plfx_lut *table; /* of a fed stream: its rows in the workspace */
     uint8_t *rows;
     int32_t fed_end;       /* lens rows before it were fed */
     plfx_rows_span fed_to; /* farthest ends of their sensor rows */
@@ -130,16 +130,18 @@ static void carve_gather(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 static void carve_rows(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 {
     size_t lenses = (size_t)c->open_rows * (size_t)c->lut->lattice.nx;
+    plfx_lut *table = c->fed ? plfx_take(a, 1, sizeof *table) : NULL;
     uint8_t *rows = c->fed ? plfx_take(a, lenses, PLFX_LUT_ROW_BYTES) : NULL;
 
     if (s && rows) {
+        *table = *c->lut;
+        table->rows = rows;
+        table->held = c->open_rows;
+        table->resi.length = 1; /* there is one */
+        table->flag.length = 1;
         s->rows = rows;
-        s->table = *c->lut;
-        s->table.rows = rows;
-        s->table.held = c->open_rows;
-        s->table.resi.length = 1; /* there is one */
-        s->table.flag.length = 1;
-        s->gather.lut = &s->table;
+        s->table = table;
+        s->gather.lut = table;
     }
 }
 
@@ -423,9 +425,9 @@ static void put_u16(uint8_t *to, uint32_t v)
 /* A lens row into its place, in the bytes of a table. */
 static void keep_row(state *t, int32_t j, const plfx_lens_row *row)
 {
-    int32_t nx = t->table.lattice.nx;
-    size_t held = (size_t)t->table.held * (size_t)nx;
-    size_t at = (size_t)(j % t->table.held) * (size_t)nx;
+    int32_t nx = t->table->lattice.nx;
+    size_t held = (size_t)t->table->held * (size_t)nx;
+    size_t at = (size_t)(j % t->table->held) * (size_t)nx;
     uint8_t *resi = t->rows + 4u * at;
     uint8_t *flag = t->rows + 4u * held + at;
     uint8_t *gain = t->rows + 5u * held + 2u * at;

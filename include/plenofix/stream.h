@@ -168,7 +168,8 @@ typedef struct plfx_lens_row {
  *
  * open_rows is found beforehand, with the whole table.  The workspace grows by
  * PLFX_STREAM_FED_WS(). */
-#define PLFX_STREAM_FED_WS(nx, open) PLFX_ALIGNED(7u * (nx) * (open))
+#define PLFX_STREAM_FED_WS(nx, open)                                                   \
+    (PLFX_ALIGNED(sizeof(plfx_lut)) + PLFX_ALIGNED(7u * (nx) * (open)))
 
 /* Row of the table that is to be fed before another sensor row; -1: none now. */
 int32_t plfx_stream_wants(const plfx_stream *s);

@@ -47,6 +47,8 @@ static int32_t any_lens(plfx_lut *t)
     int32_t j = between(0, PLFX_LENSES_MAX - 1);
 
     t->blob = residual;
+    t->rows = any_u8 & 1u ? residual : NULL; /* of a fed stream, which holds one */
+    t->held = 1;
     t->resi.offset = 0;
     t->resi.length = any_u8 & 1u;
     if (t->resi.length) { /* that of the first column stands for every residual */
