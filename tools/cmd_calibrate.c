@@ -192,6 +192,9 @@ static int add_gains(job *j)
                            j->grey.h);
     }
     if (status == 0) {
+        status = plft_saved_agrees(&j->saved, &white, j->o.white);
+    }
+    if (status == 0) {
         status = plft_saved_gain(&j->saved, &j->calib, &white);
     }
     plft_grey_free(&white);

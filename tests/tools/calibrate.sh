@@ -37,6 +37,7 @@ def dots(w, h, pitch, angle, x0, y0, nx, ny, dead=()):
 w, h = 260, 215
 png("dots.png", w, h, dots(w, h, 14.5, math.radians(0.4), 20.25, 15.5, 16, 13, {(7, 6)}))
 png("moved.png", w, h, dots(w, h, 14.5, math.radians(0.4), 20.75, 15.25, 16, 13))
+png("other.png", w, h, dots(w, h, 13.1, math.radians(2), 14.5, 19.5, 16, 13))
 png("few.png", 70, 70, dots(70, 70, 15.0, 0.0, 12.0, 12.0, 4, 4))
 png("black.png", w, h, [level(random.gauss(0, 0.3)) for _ in range(w * h)])
 png("white.png", w, h, [255] * (w * h))
@@ -107,6 +108,8 @@ for texture in checker upright bricks mortar windows facade; do
 done
 refused 1 "fewer than 5 x 5" few.png -o none.plut
 refused 1 "one size" dots.png few.png -o none.plut
+refused 1 "black.png: the frame disagrees" dots.png --white black.png -o none.plut
+refused 1 "other.png: the frame disagrees" dots.png --white other.png -o none.plut
 refused 1 "neither" dots.png --lattice hex -o none.plut
 refused 1 "" absent.png -o none.plut
 refused 2 "wants -o" dots.png
@@ -127,7 +130,11 @@ import json
 d = json.load(open("out.json"))
 assert d["moved"] and abs(d["shift"][0] - 0.5) < 0.01 and abs(d["shift"][1] + 0.25) < 0.01, d
 PY
-for bad in noise.png few.png; do
+"$plenofix" views dots.png --lut cam.plut -o own >out.txt 2>err.txt
+[ ! -s err.txt ]
+"$plenofix" views other.png --lut cam.plut -o strange >out.txt 2>err.txt
+has err.txt "warning: other.png: only"
+for bad in noise.png few.png other.png; do
     status=0
     "$plenofix" check $bad --lut cam.plut >out.txt 2>err.txt || status=$?
     [ "$status" = 1 ] && [ "$(wc -l <err.txt)" = 1 ]

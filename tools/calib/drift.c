@@ -2,6 +2,7 @@
  * The core's drift in pixels, and why there is none. */
 #include "calib/drift.h"
 
+#include "common/err.h"
 #include "common/memory.h"
 #include "plenofix/drift.h"
 
@@ -91,4 +92,16 @@ int plft_drift_find(plft_drift *d, const plfx_lut *lut, const plft_frame *f, int
     }
     convert(d, &c);
     return 0;
+}
+
+void plft_drift_warn(const char *path, const plfx_lut *lut, const plft_frame *frame)
+{
+    plft_drift d;
+
+    if (plft_drift_find(&d, lut, frame, PLFX_DRIFT_LENSES_MIN * 4) != 0 &&
+        d.state == PLFX_DRIFT_DISAGREE) {
+        plft_warn("%s: only %d of %d lenses show where the table has them: another "
+                  "camera's table? (the lenses of a sparse or dark scene may hide)",
+                  path, d.lenses, d.tried);
+    }
 }

@@ -23,4 +23,7 @@ typedef struct plft_drift {
 int plft_drift_find(plft_drift *drift, const plfx_lut *lut, const plft_frame *frame,
                     int lenses);
 
+/* Warn with its reason when a frame clearly is another camera's: `path`, as above. */
+void plft_drift_warn(const char *path, const plfx_lut *lut, const plft_frame *frame);
+
 #endif

@@ -2,6 +2,7 @@
  * Table description of a calibration. */
 #include "calib/save.h"
 
+#include "calib/drift.h"
 #include "common/err.h"
 #include "common/memory.h"
 #include "common/out.h"
@@ -11,9 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "plenofix/drift.h"
 #include "plenofix/version.h"
 
 #define META_MAX 1024
+#define LENSES   1024 /* looked at to see whether a frame agrees */
 
 static int32_t count(const plft_saved *s)
 {
@@ -123,20 +126,51 @@ int plft_saved_init(plft_saved *s, const plft_calib *c, const plft_grey *g)
     return 0;
 }
 
-int plft_saved_write(const plft_saved *s, const char *path, size_t *bytes)
+/* The table in memory of its own, opened; NULL with a message. */
+static uint8_t *blob_of(const plft_saved *s, const char *path, plfx_lut *lut,
+                        size_t *bytes)
 {
-    plfx_lut check;
     uint8_t *blob;
-    int status = PLFT_DATA;
 
     *bytes = plfx_lut_bytes(&s->desc);
     blob = *bytes > 0 ? plft_alloc(*bytes, 1) : NULL;
     if (blob != NULL && plfx_lut_write(&s->desc, blob, *bytes) == PLFX_OK &&
-        plfx_lut_open(&check, blob, *bytes) == PLFX_OK) {
-        status = plft_out_bytes(path, blob, *bytes);
-    } else {
-        plft_fail(PLFT_DATA, "%s: this calibration does not fit a table", path);
+        plfx_lut_open(lut, blob, *bytes) == PLFX_OK) {
+        return blob;
     }
+    plft_fail(PLFT_DATA, "%s: this calibration does not fit a table", path);
+    free(blob);
+    return NULL;
+}
+
+int plft_saved_agrees(const plft_saved *s, const plft_grey *g, const char *path)
+{
+    plft_frame f;
+    plft_drift d;
+    plfx_lut lut;
+    size_t bytes;
+    uint8_t *blob = blob_of(s, path, &lut, &bytes);
+    int status = blob != NULL ? 0 : PLFT_DATA;
+
+    memset(&f, 0, sizeof f);
+    f.px = g->px;
+    f.w = g->w;
+    f.h = g->h;
+    f.bits = 16;
+    if (status == 0 && plft_drift_find(&d, &lut, &f, LENSES) != 0 &&
+        d.state != PLFX_DRIFT_FEW) {
+        status = plft_fail(PLFT_DATA, "%s: %s; no table written", path, d.reason);
+    }
+    free(blob);
+    return status;
+}
+
+int plft_saved_write(const plft_saved *s, const char *path, size_t *bytes)
+{
+    plfx_lut lut;
+    uint8_t *blob = blob_of(s, path, &lut, bytes);
+    int status = blob != NULL ? plft_out_bytes(path, blob, *bytes) : PLFT_DATA;
+
     free(blob);
     return status;
 }

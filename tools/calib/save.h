@@ -24,6 +24,11 @@ int plft_saved_init(plft_saved *saved, const plft_calib *calib, const plft_grey 
  * message. */
 int plft_saved_gain(plft_saved *saved, const plft_calib *calib, const plft_grey *white);
 
+/* Whether a frame of the table's size shows its lenses where the table has them.  0, or
+ * PLFT_DATA with a message that names `path`. */
+int plft_saved_agrees(const plft_saved *saved, const plft_grey *frame,
+                      const char *path);
+
 /* Write it, and open what was written to check it.  0, or PLFT_DATA with a message. */
 int plft_saved_write(const plft_saved *saved, const char *path, size_t *bytes);
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "calib/drift.h"
 #include "common/err.h"
 #include "common/memory.h"
 #include "common/mosaic.h"
@@ -317,6 +318,11 @@ int plft_field_open_raw(plft_field *field, const plft_source *s)
     rc = read_frames(field, s, &half);
     if (rc != 0) {
         return rc;
+    }
+    if (s->frame == NULL) { /* one file, not each frame of a camera */
+        const int white = field->white.px != NULL;
+        plft_drift_warn(white ? s->white : s->raw, &field->table.lut,
+                        white ? &field->white : &field->frame);
     }
     field->lut = &field->table.lut;
     field->nx = field->lut->lattice.nx;
