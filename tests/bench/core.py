@@ -12,6 +12,7 @@ PITCH, TURN = 16.93, np.radians(0.05)
 ORIGIN = (12.0, 9.0)  # every 13 x 13 patch lies on the sensor
 FORMAT_U16 = 2
 SMALL, FAST = 0, 1
+GRADIENT = 2
 
 
 def struct(name, **fields):
@@ -104,6 +105,49 @@ class Core:
         return run
 
 
+class Planned:
+    """A plan on ready-made views [n][h][w], its workspace and its slopes."""
+
+    def __init__(self, lib, images, **cfg):
+        n, (h, w) = len(images), images[0].shape
+        self.lib, self.name = lib, 'plfx_sweep'
+        self.plan = c.create_string_buffer(8192)
+        at = cfg.pop('at')
+        settings = Cfg(n=n, **cfg)
+        for k, (u, v) in enumerate(at):
+            settings.at[k] = Offset(round(u * 256), round(v * 256))
+        Core.must(lib.plfx_plan_init(self.plan, c.byref(settings), None, w, h))
+        if cfg['method'] == GRADIENT:
+            self.name = 'plfx_gradient'
+        size_of = getattr(lib, self.name + '_ws')
+        size_of.restype = c.c_size_t
+        self.bytes = size_of(self.plan)
+        self.room, self.at = aligned(self.bytes)
+        self.block = np.ascontiguousarray(np.stack(images, 1), np.uint16)
+        self.slope = np.zeros((h, w), np.int32)
+        self.conf = np.zeros((h, w), np.uint16)
+        self.views = Views(self.block.ctypes.data, w, h, n)
+        self.map = Map(self.slope.ctypes.data, self.conf.ctypes.data, None, None, w, h, w)
+
+    def __call__(self):
+        Core.must(getattr(self.lib, self.name)(
+            self.plan, c.byref(self.views), c.byref(self.map), c.c_void_p(self.at),
+            c.c_size_t(self.bytes)))
+        return self.slope
+
+    def slopes(self):
+        """In lens pitches a pixel; nan where nothing was measured."""
+        return np.where(self.slope == -2**31, np.nan, self.slope / 65536)
+
+
+def matcher(lib, left, right, labels, window, bits, ncc):
+    """Two views, label l = l columns = l/16 of slope."""
+    made = Planned(lib, [left, right], method=int(ncc), cost=int(ncc), window=window,
+                   bits=bits, labels=labels, hi=(labels - 1) * 4096, at=[(0, 0), (-16, 0)])
+    made.map.conf = None
+    return made
+
+
 class Stream:
     """Raw rows -> views along u -> summed sweep -> slopes: 17 labels, window 9."""
 
@@ -128,24 +172,24 @@ class Stream:
         self.slope = np.zeros((LENSES_Y, LENSES_X), np.int32)
 
     def __call__(self, frame):
-        """One frame: 193 calls of push_band, 193 of pop."""
-        lib, must = self.core.lib, self.core.must
-        must(lib.plfx_stream_reset(self.state))
+        """One frame: 193 calls of push_band, 193 of pop; their arguments are made once."""
+        lib, state = self.core.lib, self.state
+        push, pop = lib.plfx_stream_push_band, lib.plfx_stream_pop
         used, ready, j = c.c_int32(), c.c_int32(), c.c_int32()
-        y, popped, row = 0, 0, 2 * SENSOR_W
-        while y < SENSOR_H:
-            band = Raw(frame.ctypes.data + y * row, (SENSOR_H - y) * row, FORMAT_U16, 12,
-                       SENSOR_W, SENSOR_H - y)
-            must(lib.plfx_stream_push_band(self.state, y, c.byref(band), c.byref(used),
-                                           c.byref(ready)))
+        band = Raw(frame.ctypes.data, frame.nbytes, FORMAT_U16, 12, SENSOR_W, SENSOR_H)
+        line = Map(self.slope.ctypes.data, None, None, None, LENSES_X, 1, LENSES_X)
+        p_band, p_line, p_used = c.byref(band), c.byref(line), c.byref(used)
+        p_ready, p_j = c.byref(ready), c.byref(j)
+        start, row, y = band.bytes, 2 * SENSOR_W, 0
+        failed = lib.plfx_stream_reset(state)
+        while y < SENSOR_H and not failed:
+            band.bytes, band.size, band.h = start + y * row, (SENSOR_H - y) * row, SENSOR_H - y
+            failed = push(state, y, p_band, p_used, p_ready)
             y += used.value
-            while ready.value > 0:
-                line = Map(self.slope.ctypes.data + 4 * LENSES_X * popped, None, None, None,
-                           LENSES_X, 1, LENSES_X)
-                popped += 1
-                must(lib.plfx_stream_pop(self.state, c.byref(j), c.byref(line),
-                                         c.byref(ready)))
-        must(lib.plfx_stream_finish(self.state))
+            while ready.value > 0 and not failed:
+                failed = pop(state, p_j, p_line, p_ready)
+                line.slope += 4 * LENSES_X
+        self.core.must(failed or lib.plfx_stream_finish(state))
         return self.slope
 
 

@@ -1,80 +1,34 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Time of the core beside OpenCV: one process, one thread, the same images.
+"""SAD matching beside OpenCV's StereoBM and SGBM: one process, one thread, same images.
 
-usage: opencv.py LIBPLENOFIX.so [--rounds N] [--json FILE]
+usage: opencv.py LIBPLENOFIX.so [--prefilter LIBBENCH_PREFILTER.so] [--rounds N]
+                 [--json FILE]
 
 Needs numpy and cv2 (pip install opencv-python-headless); without them it says so and ends
 with status 77, which Meson counts as skipped.  Candidates take turns; the figure is the
 least processor time of the thread.  Not like for like: StereoBM filters its input by
 x-Sobel (it cannot be switched off) and matches 6-bit data; ours matches the raw samples,
-finds ties and range ends, and writes slopes of 32 bits.  Our widths are all columns,
-OpenCV's W-D+1, and both are divided by what they produce."""
+finds ties and range ends, and writes slopes of 32 bits.  "ours, x-Sobel" filters both
+images the same way within its time (prefilter.c; built beside the library and found
+there).  Our widths are all columns, OpenCV's W-D+1, and both are divided by what they
+produce."""
 import argparse
 import ctypes as c
 import json
+import pathlib
 import sys
-import time
 
 try:
-    import numpy as np
     import cv2
+    import numpy as np
 except ImportError as missing:
     print(f'skipped: {missing}')
     sys.exit(77)
 
+import core
 
-class Offset(c.Structure):
-    _fields_ = [('u', c.c_int16), ('v', c.c_int16)]
-
-
-class Cfg(c.Structure):
-    _fields_ = ([(n, c.c_uint8) for n in
-                 ('method', 'cost', 'fit', 'fuse', 'window', 'bits', 'ref', 'n')] +
-                [(n, c.c_uint16) for n in ('labels', 'texture', 'unique')] +
-                [('slope_min', c.c_int32), ('slope_max', c.c_int32), ('at', Offset * 128)])
-
-
-class Views(c.Structure):
-    _fields_ = [('px', c.c_void_p), ('nx', c.c_int32), ('ny', c.c_int32),
-                ('n', c.c_int32)]
-
-
-class Map(c.Structure):
-    _fields_ = [('slope', c.c_void_p), ('conf', c.c_void_p), ('sigma', c.c_void_p),
-                ('flags', c.c_void_p), ('w', c.c_int32), ('h', c.c_int32),
-                ('stride', c.c_int32)]
-
-
-class Matcher:
-    """Two views, label l = l columns, through plfx_sweep()."""
-
-    def __init__(self, lib, left, right, labels, window, bits, ncc):
-        h, w = left.shape
-        self.lib, self.w, self.h, self.labels = lib, w, h, labels
-        cfg = Cfg(method=int(ncc), cost=int(ncc), window=window, bits=bits, n=2,
-                  labels=labels, slope_max=(labels - 1) * 4096)
-        cfg.at[1].u = -16 * 256
-        self.plan = c.create_string_buffer(8192)
-        if lib.plfx_plan_init(self.plan, c.byref(cfg), None, w, h) != 0:
-            raise RuntimeError('plan refused')
-        lib.plfx_sweep_ws.restype = c.c_size_t
-        self.size = lib.plfx_sweep_ws(self.plan)
-        self.raw = np.zeros(self.size + 64, np.uint8)
-        self.ws = self.raw.ctypes.data + (-self.raw.ctypes.data) % 64
-        self.block = np.empty((h, 2, w), np.uint16)
-        self.block[:, 0], self.block[:, 1] = left, right
-        self.slope = np.zeros((h, w), np.int32)
-        self.views = Views(self.block.ctypes.data, w, h, 2)
-        self.map = Map(self.slope.ctypes.data, None, None, None, w, h, w)
-
-    def __call__(self):
-        if self.lib.plfx_sweep(self.plan, c.byref(self.views), c.byref(self.map),
-                               c.c_void_p(self.ws), c.c_size_t(self.size)) != 0:
-            raise RuntimeError('sweep refused')
-
-    def disparity(self):
-        return np.where(self.slope == -2**31, np.nan, self.slope / 4096.0)
+W, H = 640, 480
 
 
 def pair(w, h, top, bits, seed=1):
@@ -95,82 +49,97 @@ def pair(w, h, top, bits, seed=1):
     return [np.round(a).astype(np.uint16) for a in noisy] + [truth]
 
 
-def box_ncc(left, right, labels, window):
-    """Zero-mean NCC as one writes it with OpenCV: box filters of float32."""
-    size = (window, window)
-    a, b = left.astype(np.float32), right.astype(np.float32)
-
-    def run():
-        ma, mb = cv2.boxFilter(a, -1, size), cv2.boxFilter(b, -1, size)
-        va = cv2.boxFilter(a * a, -1, size) - ma * ma
-        vb = cv2.boxFilter(b * b, -1, size) - mb * mb
-        best = np.full(a.shape, -2, np.float32)
-        index = np.zeros(a.shape, np.int16)
-        for d in range(labels):
-            al, br = a[:, d:], b[:, :a.shape[1] - d]
-            cov = cv2.boxFilter(al * br, -1, size) - ma[:, d:] * mb[:, :a.shape[1] - d]
-            r = cov / np.sqrt(va[:, d:] * vb[:, :a.shape[1] - d] + 1e-6)
-            better = r > best[:, d:]
-            best[:, d:][better] = r[better]
-            index[:, d:][better] = d
-        return index
-    return run
+def disparity(ours):
+    return ours.slopes() * 16
 
 
-def least(candidates, rounds):
-    times = {name: float('inf') for name in candidates}
-    for _ in range(rounds):
-        for name, run in candidates.items():
-            start = time.thread_time_ns()
-            run()
-            times[name] = min(times[name], time.thread_time_ns() - start)
-    return times
+def wrong(found, truth):
+    return float(np.mean(np.abs(found - truth)[~np.isnan(found)] > 1))
 
 
-def sad_case(lib, w, h, labels, window, bits, rounds):
-    left, right, truth = pair(w, h, labels, bits)
-    ours = Matcher(lib, left, right, labels, window, bits, False)
-    bm = cv2.StereoBM_create(labels, max(window, 5))
+class Filtered:
+    """Our matcher behind our x-Sobel of both images, clipped to 31 as StereoBM's."""
+
+    def __init__(self, filters, ours, images):
+        self.filters, self.ours, self.images = filters, ours, images
+
+    def __call__(self):
+        row = self.ours.block.strides[0] // 2
+        for k, image in enumerate(self.images):
+            self.filters.bench_xsobel(c.c_void_p(image.ctypes.data), W, H,
+                                      c.c_void_p(self.ours.block[:, k].ctypes.data), row)
+        self.ours()
+
+
+def stereo_bm(labels, window, left, right):
+    bm = cv2.StereoBM_create(labels, window)
     bm.setTextureThreshold(0)
     bm.setUniquenessRatio(0)
-    l8, r8 = [(a >> (bits - 8)).astype(np.uint8) for a in (left, right)]
-    times = least({'ours': ours, 'bm': lambda: bm.compute(l8, r8)}, rounds)
-    d = ours.disparity()
-    wrong = float(np.mean(np.abs(d - truth)[~np.isnan(d)] > 1))
-    return {'case': f'SAD {w}x{h} D{labels} w{window} {bits} bit',
-            'ours_ns': times['ours'] / (w * h * labels),
-            'opencv_ns': times['bm'] / ((w - labels + 1) * h * labels),
-            'wrong': wrong}
+    return lambda: bm.compute(left, right)
 
 
-def ncc_case(lib, w, h, labels, window, rounds):
-    left, right, truth = pair(w, h, labels, 8)
-    ours = Matcher(lib, left, right, labels, window, 8, True)
-    times = least({'ours': ours, 'box': box_ncc(left, right, labels, window)}, rounds)
-    d = ours.disparity()
-    wrong = float(np.mean(np.abs(d - truth)[~np.isnan(d)] > 1))
-    return {'case': f'NCC {w}x{h} D{labels} w{window}',
-            'ours_ns': times['ours'] / (w * h * labels),
-            'opencv_ns': times['box'] / (w * h * labels), 'wrong': wrong}
+def sgbm(labels, left, right):
+    rival = cv2.StereoSGBM_create(0, labels, 9, P1=200, P2=800)
+    return lambda: rival.compute(left, right)
+
+
+def case(lib, filters, labels, rounds):
+    left, right, truth = pair(W, H, labels, 8)
+    deep = pair(W, H, labels, 12)[:2]
+    eight = [a.astype(np.uint8) for a in (left, right)]
+    runs = {}
+    for window in (5, 9, 21):
+        runs[f'ours w{window}'] = core.matcher(lib, left, right, labels, window, 8, False)
+        runs[f'StereoBM w{window}'] = stereo_bm(labels, window, *eight)
+    runs['ours w9 12 bit'] = core.matcher(lib, *deep, labels, 9, 12, False)
+    if filters:
+        plain = core.matcher(lib, left, right, labels, 9, 8, False)
+        runs['ours w9 x-Sobel'] = Filtered(filters, plain, eight)
+    runs['SGBM w9'] = sgbm(labels, *eight)
+    times = core.least(runs, rounds)
+    ns = {}
+    for name, ms in times.items():
+        columns = W if name.startswith('ours') else W - labels + 1
+        ns[name] = 1e6 * ms / (columns * H * labels)
+    worst = max(wrong(disparity(runs[f'ours w{w}']), truth) for w in (5, 9, 21))
+    return {'labels': labels, 'ns': ns, 'wrong': worst,
+            'window 21 / 5': times['ours w21'] / times['ours w5'],
+            '12 / 8 bit': times['ours w9 12 bit'] / times['ours w9']}
+
+
+def show(k):
+    ns = k['ns']
+    print(f"{k['labels']} labels, {W}x{H}, 8 bit; ns a pixel and disparity; wrong by over 1 "
+          f"column: {k['wrong']:.4f}")
+    for w in (5, 9, 21):
+        ours, bm = ns[f'ours w{w}'], ns[f'StereoBM w{w}']
+        print(f'  window {w:2}: ours {ours:.3f}, StereoBM {bm:.3f}: {bm / ours:.2f} x')
+    for name in ('ours w9 x-Sobel', 'ours w9 12 bit'):
+        if name in ns:
+            print(f"  {name}: {ns[name]:.3f}: {ns['StereoBM w9'] / ns[name]:.2f} x")
+    print(f"  SGBM w9 {ns['SGBM w9']:.3f}: {ns['SGBM w9'] / ns['ours w9']:.2f} x")
+    print(f"  window 21 costs {k['window 21 / 5']:.3f} of window 5, 12 bit "
+          f"{k['12 / 8 bit']:.3f} of 8 bit")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('library')
-    parser.add_argument('--rounds', type=int, default=5)
+    parser.add_argument('--prefilter')
+    parser.add_argument('--rounds', type=int, default=7)
     parser.add_argument('--json')
     args = parser.parse_args()
-    lib = c.CDLL(args.library)
+    lib = core.Core(args.library).lib
+    beside = (pathlib.Path(args.library).resolve().parent.parent / 'tests' /
+              'libbench_prefilter.so')
+    prefilter = args.prefilter or (str(beside) if beside.exists() else None)
+    filters = c.CDLL(prefilter) if prefilter else None
     cv2.setNumThreads(1)
-    cases = [sad_case(lib, 640, 480, d, w, 8, args.rounds)
-             for d in (16, 32, 64) for w in (5, 9, 21)]
-    cases.append(sad_case(lib, 640, 480, 16, 9, 12, args.rounds))
-    cases += [ncc_case(lib, 640, 480, d, 9, max(args.rounds // 2, 1)) for d in (17, 64)]
-    print(f'OpenCV {cv2.__version__}; ns per pixel and disparity')
+    print(f'OpenCV {cv2.__version__}' + ('' if filters else '; no x-Sobel of ours: '
+                                         'libbench_prefilter is not built'))
+    cases = [case(lib, filters, labels, args.rounds) for labels in (16, 32, 64)]
     for k in cases:
-        k['ratio'] = k['opencv_ns'] / k['ours_ns']
-        print(f"{k['case']:28} ours {k['ours_ns']:7.3f}  OpenCV {k['opencv_ns']:7.3f}  "
-              f"ratio {k['ratio']:5.2f}  wrong by over 1: {k['wrong']:.3f}")
+        show(k)
     if args.json:
         with open(args.json, 'w', encoding='utf-8') as out:
             json.dump({'opencv': cv2.__version__, 'cases': cases}, out, indent=1)

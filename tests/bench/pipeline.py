@@ -8,9 +8,10 @@ usage: pipeline.py LIBPLENOFIX.so [--rounds N]
 4904 x 3280 pixels of 12 bits, 289 x 193 lenses; 5 and 9 views along u; one process, one
 thread, the same frame, least processor time.  OpenCV's way: a view by cv2.remap, a
 fractional shift by cv2.warpAffine, cv2.absdiff summed over the views, one cv2.boxFilter a
-slope, numpy's argmin and a parabola.  Ours also judges borders and range ends, and its
-time holds the 400 calls through ctypes.  Both are set beside the truth.  Needs numpy and
-cv2; without them it ends with status 77, which Meson counts as skipped."""
+slope, numpy's argmin and a parabola; its maps, matrices and images are made before.  Ours
+also judges borders and range ends, and its time holds the 400 calls through ctypes.  Both
+are set beside the truth.  Needs numpy and cv2; without them it ends with status 77, which
+Meson counts as skipped."""
 import argparse
 import sys
 
@@ -68,22 +69,35 @@ class ByOpenCV:
             self.maps.append([np.ascontiguousarray(p[..., k].astype(np.float32))
                               for k in (0, 1)])
         self.slopes = np.linspace(-TOP, TOP, LABELS)
+        shape = (core.LENSES_Y, core.LENSES_X)
+        self.moves = [[np.array([[1, 0, d * u], [0, 1, 0]]) for u in offsets]
+                      for d in self.slopes]
+        self.views = [np.empty(shape, np.uint16) for _ in offsets]
+        self.moved, self.cost, self.total = (np.empty(shape, np.uint16) for _ in range(3))
+        self.costs = np.empty((LABELS, *shape), np.float32)
+
+    def sum_of(self, label):
+        """Absolute differences of all views from the reference, moved as at a label."""
+        ref, size = len(self.views) // 2, (core.LENSES_X, core.LENSES_Y)
+        others = [k for k in range(len(self.views)) if k != ref]
+        for k in others:
+            cv2.warpAffine(self.views[k], self.moves[label][k], size, dst=self.moved,
+                           flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                           borderMode=cv2.BORDER_REPLICATE)
+            if k == others[0]:
+                cv2.absdiff(self.moved, self.views[ref], dst=self.total)
+            else:
+                cv2.absdiff(self.moved, self.views[ref], dst=self.cost)
+                cv2.add(self.total, self.cost, dst=self.total)
+        return self.total
 
     def __call__(self):
-        views = [cv2.remap(self.frame, x, y, cv2.INTER_LINEAR) for x, y in self.maps]
-        ref, size = len(views) // 2, (core.LENSES_X, core.LENSES_Y)
-        costs = np.empty((LABELS, core.LENSES_Y, core.LENSES_X), np.float32)
-        for l, d in enumerate(self.slopes):
-            total = None
-            for k, u in enumerate(self.offsets):
-                if k == ref:
-                    continue
-                m = np.array([[1, 0, d * u], [0, 1, 0]])
-                moved = cv2.warpAffine(views[k], m, size, flags=cv2.INTER_LINEAR |
-                                       cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE)
-                cost = cv2.absdiff(moved, views[ref])
-                total = cost if total is None else cv2.add(total, cost, dst=total)
-            cv2.boxFilter(total, cv2.CV_32F, (WINDOW, WINDOW), dst=costs[l], normalize=False)
+        for (x, y), view in zip(self.maps, self.views):
+            cv2.remap(self.frame, x, y, cv2.INTER_LINEAR, dst=view)
+        costs = self.costs
+        for label in range(LABELS):
+            cv2.boxFilter(self.sum_of(label), cv2.CV_32F, (WINDOW, WINDOW), dst=costs[label],
+                          normalize=False)
         best = np.argmin(costs[1:-1], 0) + 1
         lo, mid, hi = (np.take_along_axis(costs, (best + o)[None], 0)[0] for o in (-1, 0, 1))
         fine = best + (lo - hi) / (2 * np.maximum(lo - 2 * mid + hi, 1e-6))
