@@ -233,6 +233,7 @@ plfx_status plfx_recording_create(plfx_recording *r, const char *path,
     if (pwrite(r->file, b, HEADER, 0) != (ssize_t)HEADER || fsync(r->file) != 0) {
         plfx_status status = io(r);
         plfx_recording_close(r);
+        (void)unlink(path); /* a file without a header is no recording */
         return status;
     }
     return PLFX_OK;

@@ -32,7 +32,8 @@ typedef struct plfx_recording {
     uint64_t cut;     /* bytes behind the last whole record, found when it was opened */
 } plfx_recording;
 
-/* A new recording; a file of that name is not overwritten (errno EEXIST).
+/* A new recording; a file of that name is not overwritten (errno EEXIST).  After an
+ * error there is no new file.
  * PLFX_OK, PLFX_E_ARG, PLFX_E_IO. */
 plfx_status plfx_recording_create(plfx_recording *r, const char *path,
                                   const plfx_recording_info *info) PLFX_MUST_USE;
