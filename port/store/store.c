@@ -130,8 +130,9 @@ plfx_status plfx_store_open(plfx_store *s, const plfx_block *device, uint32_t ca
     }
     found[0] = read_slot(device, 0, &h[0]);
     found[1] = read_slot(device, 1, &h[1]);
-    if (found[0] == PLFX_E_IO && found[1] == PLFX_E_IO) {
-        return PLFX_E_IO;
+    if (found[0] != PLFX_OK && found[1] != PLFX_OK &&
+        (found[0] == PLFX_E_IO || found[1] == PLFX_E_IO)) {
+        return PLFX_E_IO; /* the half that cannot be read may hold the table */
     }
     memset(s, 0, sizeof *s);
     s->device = device;
@@ -161,6 +162,7 @@ const uint8_t *plfx_store_table(const plfx_store *s)
 plfx_status plfx_store_read(const plfx_store *s, uint8_t *table, uint32_t n)
 {
     const plfx_block *d;
+    plfx_status status;
     uint32_t at;
     head h;
 
@@ -178,11 +180,11 @@ plfx_status plfx_store_read(const plfx_store *s, uint8_t *table, uint32_t n)
     if (d->read(d->context, at, table, s->length) != PLFX_OK) {
         return PLFX_E_IO;
     }
-    if (read_slot(d, s->slot, &h) != PLFX_OK ||
-        plfx_port_crc32(0, table, s->length) != h.crc) {
-        return PLFX_E_FORMAT;
+    status = read_slot(d, s->slot, &h);
+    if (status == PLFX_OK && plfx_port_crc32(0, table, s->length) != h.crc) {
+        status = PLFX_E_FORMAT;
     }
-    return PLFX_OK;
+    return status;
 }
 
 /* Note the place of a failure. */

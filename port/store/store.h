@@ -29,8 +29,9 @@ typedef struct plfx_store {
     uint32_t bad_at;     /* byte of the device where an update failed; _NONE */
 } plfx_store;
 
-/* Look at both slots.  An empty or unreadable store is no error: slot is -1 then.
- * PLFX_OK, PLFX_E_ARG (geometry), PLFX_E_IO (both halves cannot be read). */
+/* Look at both slots.  A store without a table, empty or damaged, is no error: slot is
+ * -1 then.  PLFX_OK, PLFX_E_ARG (geometry), PLFX_E_IO (a half cannot be read and the
+ * other holds no table). */
 plfx_status plfx_store_open(plfx_store *s, const plfx_block *device,
                             uint32_t camera_id) PLFX_MUST_USE;
 

@@ -235,6 +235,88 @@ static void failing_operations_leave_the_old_table(void **state)
     }
 }
 
+/* A device whose reading `when` fails, once or for ever. */
+static struct reader {
+    uint32_t count, when;
+    int32_t ever; /* -1: sound */
+    plfx_block block;
+} reader;
+
+static plfx_status read_or_fail(void *context, uint32_t at, void *data, uint32_t n)
+{
+    uint32_t now = reader.count++;
+
+    if (reader.ever >= 0 &&
+        (now == reader.when || (reader.ever && now > reader.when))) {
+        return PLFX_E_IO;
+    }
+    return ram.block.read(context, at, data, n);
+}
+
+static void reads_fail(uint32_t when, int32_t ever)
+{
+    reader.block = ram.block;
+    reader.block.read = read_or_fail;
+    reader.count = 0;
+    reader.when = when;
+    reader.ever = ever;
+}
+
+/* Open, read, update; a store with a table never says that it has none. */
+static void session(int32_t before)
+{
+    uint8_t back[TABLE];
+    plfx_store s;
+    plfx_status status = plfx_store_open(&s, &reader.block, 7);
+
+    if (status != PLFX_OK) {
+        assert_int_equal(status, PLFX_E_IO);
+        return;
+    }
+    assert_in_range(s.slot, 0, 1);
+    status = plfx_store_read(&s, back, sizeof back);
+    assert_true(status == PLFX_OK || status == PLFX_E_IO);
+    if (status == PLFX_OK) {
+        assert_memory_equal(back, plfx_store_table(&s), s.length);
+    }
+    assert_true(s.fell_back || s.generation == (uint32_t)before);
+    status = plfx_store_write(&s, tables[2], length_of(2));
+    assert_true(status == PLFX_OK || status == PLFX_E_IO);
+    if (status == PLFX_OK) {
+        assert_int_equal(held(), 2);
+    }
+}
+
+static void failing_reads_lose_no_table(void **state)
+{
+    int32_t before;
+    int32_t ever;
+    uint32_t total;
+    uint32_t when;
+
+    (void)state;
+    for (before = 1; before <= 2; before++) {
+        fresh(16);
+        write_table(0);
+        if (before == 2) {
+            write_table(1);
+        }
+        remember();
+        reads_fail(0, -1);
+        session(before);
+        total = reader.count;
+        assert_in_range(total, 12, 60);
+        for (ever = 0; ever < 2; ever++) {
+            for (when = 0; when < total; when++) {
+                go_back();
+                reads_fail(when, ever);
+                session(before);
+                assert_true(held() == 2 || held() == before - 1 || held() == 0);
+            }
+        }
+    }
+}
+
 /* Bytes that do not read back, and erasures that did nothing, are found at once. */
 static void silent_failures_are_noticed(void **state)
 {
@@ -382,6 +464,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(tables_replace_each_other),
     cmocka_unit_test(no_power_cut_loses_a_table),
     cmocka_unit_test(failing_operations_leave_the_old_table),
+    cmocka_unit_test(failing_reads_lose_no_table),
     cmocka_unit_test(silent_failures_are_noticed),
     cmocka_unit_test(damaged_table_gives_way_to_the_older),
     cmocka_unit_test(foreign_and_broken_tables_are_refused),
