@@ -235,6 +235,7 @@ static plfx_status v4l2_start(void *context)
 {
     plfx_v4l2 *v = context;
     int type = CAPTURE;
+    int failed = 0;
     int32_t k;
 
     if (v->file < 0 || v->running) {
@@ -245,11 +246,9 @@ static plfx_status v4l2_start(void *context)
     v->last_number = -1;
     v->sequence = v->last_good = v->last_ns = 0;
     for (k = 0; k < v->buffers; k++) {
-        if (queue(v, (uint32_t)k) < 0) {
-            return gone_or(v, PLFX_E_DEVICE);
-        }
+        failed |= queue(v, (uint32_t)k) < 0;
     }
-    if (call(v, VIDIOC_STREAMON, &type) < 0) {
+    if (failed || call(v, VIDIOC_STREAMON, &type) < 0) {
         (void)call(v, VIDIOC_STREAMOFF, &type); /* gives the buffers back */
         return PLFX_E_DEVICE;
     }
@@ -399,8 +398,11 @@ static plfx_status v4l2_release(void *context, const plfx_camera_frame *frame)
         !v->taken[frame->slot]) {
         return PLFX_E_ARG;
     }
+    if (queue(v, (uint32_t)frame->slot) < 0) {
+        return gone_or(v, PLFX_E_IO); /* still the caller's */
+    }
     v->taken[frame->slot] = 0;
-    return queue(v, (uint32_t)frame->slot) == 0 ? PLFX_OK : gone_or(v, PLFX_E_IO);
+    return PLFX_OK;
 }
 
 static plfx_status v4l2_stop(void *context)

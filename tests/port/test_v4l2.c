@@ -34,7 +34,12 @@ static struct driver {
     int64_t time_us;
     int32_t exposure, gain, automatic;
     struct v4l2_fract period;
+    uint8_t queued[BUFFERS]; /* 1: the driver's */
+    uint32_t count, when;    /* ioctls so far; the one that fails */
+    int how;                 /* FAIL_... */
 } d;
+
+enum { FAIL_NEVER, FAIL_ONCE, FAIL_EVER, FAIL_SIGNAL };
 
 static uint32_t bits_of(uint32_t code)
 {
@@ -102,6 +107,7 @@ static int on_dequeue(struct v4l2_buffer *b)
         return fail_with(EAGAIN);
     }
     b->index = d.queue[d.head++ % 64u];
+    d.queued[b->index] = 0;
     fill_buffer(b->index);
     b->sequence = d.number++;
     b->flags = d.flags | (d.broken ? V4L2_BUF_FLAG_ERROR : 0u);
@@ -110,6 +116,17 @@ static int on_dequeue(struct v4l2_buffer *b)
     b->timestamp.tv_usec = d.time_us % 1000000;
     d.time_us += 10000;
     d.broken = d.cut = 0;
+    return 0;
+}
+
+/* A buffer that is queued already is refused, as by the kernel. */
+static int on_queue(const struct v4l2_buffer *b)
+{
+    if (d.unplugged || d.queued[b->index]) {
+        return fail_with(d.unplugged ? ENODEV : EINVAL);
+    }
+    d.queued[b->index] = 1;
+    d.queue[d.tail++ % 64u] = b->index;
     return 0;
 }
 
@@ -154,18 +171,26 @@ static int answer(unsigned long request, void *p)
         ((struct v4l2_buffer *)p)->m.offset = ((struct v4l2_buffer *)p)->index * ROOM;
         return 0;
     case VIDIOC_QBUF:
-        d.queue[d.tail++ % 64u] = ((struct v4l2_buffer *)p)->index;
-        return d.unplugged ? fail_with(ENODEV) : 0;
+        return on_queue(p);
     case VIDIOC_DQBUF:
         return on_dequeue(p);
     case VIDIOC_STREAMON:
         return 0;
     case VIDIOC_STREAMOFF:
         d.head = d.tail = 0;
+        memset(d.queued, 0, sizeof d.queued);
         return 0;
     default:
         return fail_with(ENOTTY);
     }
+}
+
+/* Shall this ioctl come to grief? */
+static int grief(void)
+{
+    uint32_t now = d.count++;
+
+    return d.how == FAIL_EVER ? now >= d.when : d.how != FAIL_NEVER && now == d.when;
 }
 
 int __wrap_ioctl(int file, unsigned long request, ...)
@@ -176,6 +201,9 @@ int __wrap_ioctl(int file, unsigned long request, ...)
     va_start(list, request);
     argument = va_arg(list, void *);
     va_end(list);
+    if (d.on && grief()) {
+        return fail_with(d.how == FAIL_SIGNAL ? EINTR : EIO);
+    }
     return d.on ? answer(request, argument) : __real_ioctl(file, request, argument);
 }
 
@@ -339,6 +367,76 @@ static void faults_are_counted_and_survived(void **state)
     end(&v);
 }
 
+/* The call, and when it fails the same again: the last answer. */
+#define TWICE(call) ((call) == PLFX_OK ? PLFX_OK : (call))
+
+/* Open to close with four frames; how many came. */
+static uint32_t watch(plfx_v4l2 *v)
+{
+    plfx_pool pool = {pool_bytes, ROOM, (int32_t)BUFFERS};
+    plfx_camera_cfg cfg = wish(PLFX_RAW_U8, 8, PLFX_BAYER_NONE);
+    plfx_camera_frame f;
+    uint32_t good = 0;
+    uint32_t k;
+
+    cfg.exposure_us = 4000;
+    cfg.gain_mdb = 12000;
+    cfg.rate_mhz = 50000;
+    if (TWICE(v->camera.open(v, &cfg, &pool)) != PLFX_OK) {
+        assert_int_equal(v->file, -1);
+        assert_int_equal(v->buffers, 0);
+        return 0;
+    }
+    if (TWICE(v->camera.start(v)) == PLFX_OK) {
+        assert_int_equal(d.exposure, 40);
+        assert_int_equal(d.tail - d.head, BUFFERS);
+        for (k = 0; k < 4; k++) {
+            if (TWICE(v->camera.acquire(v, 50, &f)) != PLFX_OK) {
+                break;
+            }
+            check_rows(&f, d.number - 1u);
+            good++;
+            if (TWICE(v->camera.release(v, &f)) != PLFX_OK) {
+                break;
+            }
+        }
+        (void)v->camera.stop(v);
+    }
+    v->camera.close(v);
+    return good;
+}
+
+/* Every ioctl fails once, for ever, and is interrupted: a status, nothing held, and
+ * the call that failed can be repeated. */
+static void every_ioctl_may_fail(void **state)
+{
+    plfx_v4l2 v;
+    uint32_t total;
+    uint32_t when;
+    int how;
+
+    (void)state;
+    drive(&v, 64);
+    assert_int_equal(watch(&v), 4);
+    total = d.count;
+    (void)close(d.file);
+    d.on = 0;
+    assert_in_range(total, 20, 60);
+    for (how = FAIL_ONCE; how <= FAIL_SIGNAL; how++) {
+        for (when = 0; when < total; when++) {
+            drive(&v, 64);
+            d.how = how;
+            d.when = when;
+            assert_true(watch(&v) == 4 || how == FAIL_EVER);
+            assert_int_equal(v.file, -1);
+            (void)close(d.file);
+            d.on = 0;
+        }
+    }
+    print_message("# %u ioctls failed, once and for ever, or were interrupted\n",
+                  (unsigned)total);
+}
+
 /* From the start of the exposure to its middle; civil time is said to be that. */
 static void times_are_of_the_middle_of_the_exposure(void **state)
 {
@@ -452,6 +550,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(absent_and_foreign_devices_are_named),
     cmocka_unit_test(every_format_comes_without_padding),
     cmocka_unit_test(faults_are_counted_and_survived),
+    cmocka_unit_test(every_ioctl_may_fail),
     cmocka_unit_test(times_are_of_the_middle_of_the_exposure),
     cmocka_unit_test(what_the_driver_changes_is_refused),
 };
