@@ -101,9 +101,13 @@ void plfx_template_selftest_camera(const plfx_camera *camera, const plfx_pool *p
     memset(&cfg, 0, sizeof cfg);
     memset(&before, 0, sizeof before);
     cfg.gain_mdb = INT32_MIN;
-    if (camera->open(camera->context, &cfg, pool) != PLFX_OK ||
-        camera->start(camera->context) != PLFX_OK) {
+    if (camera->open(camera->context, &cfg, pool) != PLFX_OK) {
         r->frame_errors++;
+        return;
+    }
+    if (camera->start(camera->context) != PLFX_OK) {
+        r->frame_errors++;
+        camera->close(camera->context); /* the pool is the caller's again */
         return;
     }
     for (k = 0; k < frames; k++) {

@@ -81,9 +81,102 @@ static void broken_boards_are_told(void **state)
     assert_int_equal(r.frame_errors, 1);
 }
 
+/* The template's camera, whose operation `when` fails, once or for ever. */
+static struct faulty {
+    plfx_camera good;
+    uint32_t count, when;
+    int32_t ever, closed, running;
+} faulty;
+
+static int32_t grief(void)
+{
+    uint32_t now = faulty.count++;
+
+    return faulty.ever ? now >= faulty.when : now == faulty.when;
+}
+
+static plfx_status faulty_open(void *c, plfx_camera_cfg *cfg, const plfx_pool *pool)
+{
+    return grief() ? PLFX_E_DEVICE : faulty.good.open(c, cfg, pool);
+}
+
+static plfx_status faulty_start(void *c)
+{
+    plfx_status s = grief() ? PLFX_E_DEVICE : faulty.good.start(c);
+
+    faulty.running = s == PLFX_OK;
+    return s;
+}
+
+static plfx_status faulty_acquire(void *c, uint32_t ms, plfx_camera_frame *f)
+{
+    assert_true(faulty.running); /* nothing is asked of a camera that did not start */
+    return grief() ? PLFX_E_TIMEOUT : faulty.good.acquire(c, ms, f);
+}
+
+static plfx_status faulty_release(void *c, const plfx_camera_frame *f)
+{
+    plfx_status s = faulty.good.release(c, f);
+
+    return grief() ? PLFX_E_IO : s;
+}
+
+static plfx_status faulty_stop(void *c)
+{
+    faulty.running = 0;
+    return grief() ? PLFX_E_DEVICE : faulty.good.stop(c);
+}
+
+static void faulty_close(void *c)
+{
+    faulty.closed++;
+    faulty.good.close(c);
+}
+
+static uint32_t errors_of(uint32_t when, int32_t ever)
+{
+    plfx_template_report r;
+    plfx_pool pool = pool_of();
+    plfx_camera camera;
+
+    memset(&r, 0, sizeof r);
+    memset(&faulty, 0, sizeof faulty);
+    faulty.good = camera = plfx_template_camera();
+    faulty.when = when;
+    faulty.ever = ever;
+    camera.open = faulty_open;
+    camera.start = faulty_start;
+    camera.acquire = faulty_acquire;
+    camera.release = faulty_release;
+    camera.stop = faulty_stop;
+    camera.close = faulty_close;
+    plfx_template_selftest_camera(&camera, &pool, 6, &r);
+    assert_int_equal(faulty.running, 0);
+    assert_int_equal(r.frame_outside + r.frame_numbers + r.frame_times, 0);
+    return r.frame_errors;
+}
+
+static void failing_camera_is_told_and_closed(void **state)
+{
+    uint32_t total;
+    uint32_t when;
+
+    (void)state;
+    assert_int_equal(errors_of(UINT32_MAX, 0), 0);
+    total = faulty.count; /* open, start, 6 frames taken and given back, stop */
+    assert_int_equal(total, 15);
+    for (when = 0; when < total; when++) {
+        assert_int_equal(errors_of(when, 0), 1);
+        assert_int_equal(faulty.closed, when != 0); /* all but one that never opened */
+        assert_in_range(errors_of(when, 1), 1, 7);
+        assert_int_equal(faulty.closed, when != 0);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(sound_board_passes),
     cmocka_unit_test(broken_boards_are_told),
+    cmocka_unit_test(failing_camera_is_told_and_closed),
 };
 
 SUITE(tests)
