@@ -1,23 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "plenofix/gradient.h"
-#include "gradient_scalar.h"
-#include "rows.h"
-#include "arena.h"
+#include "gradient_state.h"
+#include "engine.h"
 #include "fix.h"
 
 #include <string.h>
 
-enum { CENTRE, LEFT, RIGHT, UP, DOWN, VIEWS };
+enum { CENTRE, LEFT, RIGHT, UP, DOWN, VIEWS = PLFX_GRADIENT_VIEWS };
 
-typedef struct state {
-    const plfx_plan *plan;
-    const plfx_views *views;
-    plfx_products *col; /* [nx] sums over the window's rows */
-    uint16_t
-        *row[VIEWS][3]; /* rows y-1, y, y+1 of each view, aligned to row y's columns */
-} state;
+typedef plfx_gradient_state state;
 
-static void carve(state *s, const plfx_plan *plan, plfx_arena *a)
+void plfx_gradient_carve(state *s, const plfx_plan *plan, plfx_arena *a)
 {
     int32_t v;
     int32_t r;
@@ -36,7 +29,7 @@ size_t plfx_gradient_ws(const plfx_plan *plan)
     plfx_arena a = {NULL, 0};
     state s;
 
-    carve(&s, plan, &a);
+    plfx_gradient_carve(&s, plan, &a);
     return a.used;
 }
 
@@ -50,7 +43,7 @@ static void load(const state *s, int32_t y)
     for (v = 0; v < VIEWS; v++) {
         for (r = 0; r < 3; r++) {
             plfx_shift shift = {0, 0, r - 1, 0};
-            plfx_sample_row(s->plan, s->views, v, shift, y, 0, s->plan->nx,
+            plfx_sample_row(s->plan, &s->src, v, shift, y, 0, s->plan->nx,
                             s->row[v][r]);
         }
     }
@@ -130,22 +123,7 @@ static void columns(const state *s, int32_t y, int64_t sign)
     }
 }
 
-static void write_lens(const plfx_map *m, size_t at, int32_t slope, uint16_t conf,
-                       uint8_t flags)
-{
-    m->slope_q16[at] = slope;
-    if (m->conf_u16) {
-        m->conf_u16[at] = slope == PLFX_SLOPE_NONE ? 0u : conf;
-    }
-    if (m->sigma_u20) {
-        m->sigma_u20[at] = PLFX_SIGMA_NONE;
-    }
-    if (m->flags) {
-        m->flags[at] = flags;
-    }
-}
-
-static void judge(const plfx_plan *plan, const plfx_map *out, size_t at,
+static void judge(const plfx_plan *plan, const plfx_map *row, int32_t x,
                   const plfx_products *w)
 {
     int64_t n = (int64_t)plan->cfg.window * plan->cfg.window;
@@ -153,45 +131,61 @@ static void judge(const plfx_plan *plan, const plfx_map *out, size_t at,
     int32_t slope =
         plfx_gradient_slope_q16(*w, plan->col_q16, plan->row_q16, plan->du_q8[2]);
 
-    if (slope == PLFX_SLOPE_NONE) {
-        write_lens(out, at, slope, 0, PLFX_FLAG_TEXTURE);
-    } else if (conf < plan->cfg.unique_u16) {
-        write_lens(out, at, PLFX_SLOPE_NONE, 0, PLFX_FLAG_TEXTURE);
+    if (slope == PLFX_SLOPE_NONE || conf < plan->cfg.unique_u16) {
+        plfx_map_put(row, (size_t)x, PLFX_SLOPE_NONE, 0, PLFX_FLAG_TEXTURE);
     } else {
-        write_lens(out, at, slope, conf, 0);
+        plfx_map_put(row, (size_t)x, slope, conf, 0);
     }
 }
 
-static void edge(const plfx_map *out, int32_t y, int32_t x0, int32_t x1)
+static void edge(const plfx_map *row, int32_t x0, int32_t x1)
 {
     int32_t x;
 
     for (x = x0; x < x1; x++) {
-        write_lens(out, (size_t)y * (size_t)out->stride + (size_t)x, PLFX_SLOPE_NONE, 0,
-                   PLFX_FLAG_EDGE);
+        plfx_map_put(row, (size_t)x, PLFX_SLOPE_NONE, 0, PLFX_FLAG_EDGE);
     }
 }
 
 /* Windows with their stencils inside the map: lenses r+1 .. nx-2-r. */
-static void target_row(const state *s, const plfx_map *out, int32_t y)
+static void target_row(const state *s, const plfx_map *row)
 {
     int32_t w = s->plan->cfg.window;
     int32_t r = w / 2;
     plfx_products sum = {0, 0, 0, 0, 0};
     int32_t x;
 
-    edge(out, y, 0, r + 1);
+    edge(row, 0, r + 1);
     for (x = 1; x < s->plan->nx - 1; x++) {
         add(&sum, &s->col[x], 1);
         if (x > w) {
             add(&sum, &s->col[x - w], -1);
         }
         if (x >= w) {
-            judge(s->plan, out, (size_t)y * (size_t)out->stride + (size_t)(x - r),
-                  &sum);
+            judge(s->plan, row, x - r, &sum);
         }
     }
-    edge(out, y, s->plan->nx - 1 - r, s->plan->nx);
+    edge(row, s->plan->nx - 1 - r, s->plan->nx);
+}
+
+void plfx_gradient_begin(state *s, int32_t y0)
+{
+    memset(s->col, 0, (size_t)s->plan->nx * sizeof(plfx_products));
+    s->first = y0 - s->plan->cfg.window / 2;
+    s->next = s->first;
+}
+
+void plfx_gradient_row(state *s, int32_t y, const plfx_map *row)
+{
+    int32_t w = s->plan->cfg.window;
+
+    for (; s->next <= y + w / 2; s->next++) {
+        columns(s, s->next, 1);
+        if (s->next - w >= s->first) {
+            columns(s, s->next - w, -1);
+        }
+    }
+    target_row(s, row);
 }
 
 static plfx_status check(const plfx_plan *plan, const plfx_views *v,
@@ -215,7 +209,7 @@ plfx_status plfx_gradient(const plfx_plan *plan, const plfx_views *views,
     plfx_status status = check(plan, views, out, ws, ws_size);
     plfx_arena a;
     state s;
-    int32_t w;
+    int32_t r;
     int32_t y;
 
     if (status != PLFX_OK) {
@@ -223,22 +217,17 @@ plfx_status plfx_gradient(const plfx_plan *plan, const plfx_views *views,
     }
     a.base = ws;
     a.used = 0;
-    carve(&s, plan, &a);
-    s.views = views;
-    memset(s.col, 0, (size_t)plan->nx * sizeof(plfx_products));
-    w = plan->cfg.window;
-    for (y = 1; y < plan->ny - 1; y++) { /* product rows 1 .. ny-2 */
-        columns(&s, y, 1);
-        if (y > w) {
-            columns(&s, y - w, -1);
+    plfx_gradient_carve(&s, plan, &a);
+    s.src = plfx_ring_of(views);
+    r = plan->cfg.window / 2;
+    plfx_gradient_begin(&s, r + 1);
+    for (y = 0; y < plan->ny; y++) {
+        plfx_map row = plfx_map_row(out, y);
+        if (y <= r || y >= plan->ny - 1 - r) {
+            plfx_map_edge(&row);
+        } else {
+            plfx_gradient_row(&s, y, &row);
         }
-        if (y >= w) {
-            target_row(&s, out, y - w / 2);
-        }
-    }
-    for (y = 0; y <= w / 2; y++) {
-        edge(out, y, 0, plan->nx);
-        edge(out, plan->ny - 1 - y, 0, plan->nx);
     }
     return PLFX_OK;
 }

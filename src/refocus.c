@@ -14,7 +14,7 @@ static void add(uint32_t *restrict sum, const uint16_t *restrict row, int32_t n)
     }
 }
 
-static void chunk(const plfx_plan *plan, const plfx_views *views, int32_t slope_q16,
+static void chunk(const plfx_plan *plan, const plfx_ring *views, int32_t slope_q16,
                   int32_t j, int32_t x0, int32_t n, uint16_t *out)
 {
     uint32_t sum[CHUNK] = {0};
@@ -37,6 +37,7 @@ static void chunk(const plfx_plan *plan, const plfx_views *views, int32_t slope_
 plfx_status plfx_refocus(const plfx_plan *plan, const plfx_views *views,
                          int32_t slope_q16, const plfx_image *out)
 {
+    plfx_ring rows;
     int32_t j;
     int32_t x;
 
@@ -46,9 +47,10 @@ plfx_status plfx_refocus(const plfx_plan *plan, const plfx_views *views,
         slope_q16 > 8 << 16) {
         return PLFX_E_ARG;
     }
+    rows = plfx_ring_of(views);
     for (j = 0; j < plan->ny; j++) {
         for (x = 0; x < plan->nx; x += CHUNK) {
-            chunk(plan, views, slope_q16, j, x, plfx_min_i32(CHUNK, plan->nx - x),
+            chunk(plan, &rows, slope_q16, j, x, plfx_min_i32(CHUNK, plan->nx - x),
                   out->px + (size_t)j * (size_t)out->stride + x);
         }
     }

@@ -10,12 +10,31 @@
 /* Shift of view k at any slope, rounded to 1/16 column and row. */
 plfx_shift plfx_shift_at(const plfx_plan *plan, int32_t k, int32_t slope_q16);
 
+/* Rows of views at hand: row j of view k at px + ((j % depth)*n + k)*nx.  Of a whole
+ * frame depth is ny. */
+typedef struct plfx_ring {
+    const uint16_t *px;
+    int32_t nx, ny, n, depth;
+} plfx_ring;
+
+static inline plfx_ring plfx_ring_of(const plfx_views *v)
+{
+    plfx_ring r = {v->px, v->nx, v->ny, v->n, v->ny};
+
+    return r;
+}
+
+static inline const uint16_t *plfx_ring_row(const plfx_ring *r, int32_t j, int32_t k)
+{
+    return r->px + ((size_t)(j % r->depth) * (size_t)r->n + (size_t)k) * (size_t)r->nx;
+}
+
 /* View k as the target row j sees it through shift s: out[i] for lenses x0 .. x0+n-1.
  *   B_r(x) = V[r][x+k]*(16-f) + V[r][x+k+1]*f,  r = j+ky, j+ky+1
  *   out = (B_r0*(16-fy) + B_r1*fy + 128) >> 8
  * On hexagonal lattices a row of the other parity is displaced by odd_q4 sixteenths.
  * Indices clamp to the map.  Samples up to 12 bits: 20 bits before the shift. */
-void plfx_sample_row(const plfx_plan *plan, const plfx_views *views, int32_t k,
+void plfx_sample_row(const plfx_plan *plan, const plfx_ring *views, int32_t k,
                      plfx_shift s, int32_t j, int32_t x0, int32_t n, uint16_t *out);
 
 /* Where a window may stand so that no view in use is left: lenses x0..x1, rows

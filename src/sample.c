@@ -8,7 +8,7 @@ typedef struct tap_row { /* one source row and where it is entered */
     uint32_t f_q4, w_q4; /* fraction along the row, weight of the row */
 } tap_row;
 
-static tap_row tap(const plfx_plan *plan, const plfx_views *views, int32_t view,
+static tap_row tap(const plfx_plan *plan, const plfx_ring *views, int32_t view,
                    int32_t x_q4, int32_t j, int32_t row, uint32_t w_q4)
 {
     tap_row t;
@@ -18,8 +18,7 @@ static tap_row tap(const plfx_plan *plan, const plfx_views *views, int32_t view,
     if (plan->hex) {
         x += plan->odd_q4 * ((j & 1) - (r & 1));
     }
-    t.px =
-        views->px + ((size_t)r * (size_t)views->n + (size_t)view) * (size_t)views->nx;
+    t.px = plfx_ring_row(views, r, view);
     t.k = plfx_asr_i32(x, 4);
     t.f_q4 = (uint32_t)(x - 16 * t.k);
     t.w_q4 = w_q4;
@@ -76,7 +75,7 @@ static void inner_row(const tap_row *a, int32_t first, int32_t end,
     }
 }
 
-void plfx_sample_row(const plfx_plan *plan, const plfx_views *views, int32_t k,
+void plfx_sample_row(const plfx_plan *plan, const plfx_ring *views, int32_t k,
                      plfx_shift s, int32_t j, int32_t x0, int32_t n, uint16_t *out)
 {
     int32_t x_q4 = 16 * s.kx + s.fx_q4;

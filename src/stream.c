@@ -4,6 +4,7 @@
 #include "engine.h"
 #include "gather.h"
 #include "lut_rows.h"
+#include "ringed.h"
 #include "store.h"
 #include "fix.h"
 
@@ -18,6 +19,7 @@
 typedef struct state {
     plfx_engine *engine;    /* of SWEEP and PAIRS */
     plfx_arms_stream *arms; /* of ARMS */
+    plfx_ringed *ringed;    /* of NCC and GRADIENT */
     plfx_gather gather;
     int32_t below;   /* lens rows after its own that a map row waits for */
     plfx_lut *table; /* of a fed stream: its rows in the workspace */
@@ -65,8 +67,8 @@ static int32_t method_ok(const plfx_stream_cfg *c)
     if (is_arms(c)) {
         return plfx_arms_streams(c->plan, c->frame);
     }
-    return c->plan->cfg.method <= PLFX_METHOD_PAIRS &&
-           c->plan->cfg.cost == PLFX_COST_SAD;
+    return plfx_ringed_is(c->plan) || (c->plan->cfg.method <= PLFX_METHOD_PAIRS &&
+                                       c->plan->cfg.cost == PLFX_COST_SAD);
 }
 
 static int32_t cfg_ok(const plfx_stream_cfg *c)
@@ -119,6 +121,18 @@ static void carve_engine(state *s, const plfx_stream_cfg *c, plfx_arena *a)
     }
 }
 
+static void carve_ringed(state *s, const plfx_stream_cfg *c, plfx_arena *a)
+{
+    plfx_ringed dry;
+    plfx_ringed *r = plfx_take(a, 1, sizeof *r);
+
+    plfx_ringed_carve(r ? r : &dry, c->plan, a);
+    if (s) {
+        s->ringed = r;
+        s->below = r->below + c->plan->cfg.window / 2;
+    }
+}
+
 static void carve_gather(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 {
     plfx_gather dry;
@@ -156,6 +170,8 @@ static void carve(state *s, const plfx_stream_cfg *c, plfx_arena *a)
     carve_rows(s, c, a);
     if (PLFX_STREAM_ARMS && is_arms(c)) {
         carve_arms(s, c, a);
+    } else if (plfx_ringed_is(c->plan)) {
+        carve_ringed(s, c, a);
     } else {
         carve_engine(s, c, a);
     }
@@ -172,11 +188,23 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg)
     return a.used;
 }
 
+/* The first lens row that map row y0 needs. */
+static int32_t start_rows(const state *s)
+{
+    if (s->ringed) {
+        const plfx_ringed *r = s->ringed;
+        plfx_ringed_start(s->ringed, s->y0);
+        return plfx_max_i32(s->y0 - r->plan->cfg.window / 2 - r->above, 0);
+    }
+    plfx_match_start(&s->engine->match, s->y0);
+    return plfx_match_from(&s->engine->match);
+}
+
 /* Map rows that hold a window, and the lens rows they depend on. */
 static void choose_rows(state *s, const plfx_stream_cfg *c)
 {
-    int32_t r = c->plan->cfg.window / 2;
     int32_t ny = c->plan->ny;
+    int32_t r = s->ringed ? s->ringed->margin : c->plan->cfg.window / 2;
 
     if (arms_of(s)) {
         plfx_arms_range rows = plfx_arms_start(s->arms, c->j0, c->j1);
@@ -186,11 +214,10 @@ static void choose_rows(state *s, const plfx_stream_cfg *c)
         s->to = rows.to;
         return;
     }
-    s->y0 = plfx_clamp_i32(c->j0, r, ny - r);
-    s->y1 = plfx_clamp_i32(c->j1, s->y0, ny - r);
-    plfx_match_start(&s->engine->match, s->y0);
-    s->from = plfx_match_from(&s->engine->match);
-    s->to = plfx_min_i32(s->y1 + r + s->engine->match.below, ny);
+    s->y0 = plfx_clamp_i32(c->j0, r, plfx_max_i32(ny - r, r));
+    s->y1 = plfx_clamp_i32(c->j1, s->y0, plfx_max_i32(ny - r, s->y0));
+    s->from = start_rows(s);
+    s->to = plfx_min_i32(s->y1 + s->below, ny);
     if (s->y0 >= s->y1) {
         s->to = s->from;
     }
@@ -364,12 +391,16 @@ static void enter(const plfx_stream *s, state *t)
     int32_t r = s->cfg.plan->cfg.window / 2;
     int32_t j = t->whole_end - 1;
     plfx_rows src = source(t);
+    const uint16_t *row =
+        src.px + (size_t)(j % src.depth) * s->cfg.plan->cfg.n * (size_t)s->cfg.plan->nx;
     int32_t cost;
 
+    if (t->ringed) {
+        plfx_ringed_put(t->ringed, j, row);
+        return;
+    }
     if (arms_of(t)) {
-        plfx_arms_put(t->arms, j,
-                      src.px + (size_t)(j % src.depth) * s->cfg.plan->cfg.n *
-                                   (size_t)s->cfg.plan->nx);
+        plfx_arms_put(t->arms, j, row);
         plfx_arms_enter(t->arms, j, s->j);
         return;
     }
@@ -569,6 +600,8 @@ static void match_row(const state *t, int32_t j, const plfx_map *row)
 
     if (j < t->y0 || j >= t->y1) {
         plfx_map_edge(row);
+    } else if (t->ringed) {
+        plfx_ringed_row(t->ringed, j, row);
     } else if (arms_of(t)) {
         plfx_arms_row(t->arms, j, row);
     } else {

@@ -4,6 +4,7 @@
 #ifndef PLENOFIX_SRC_SWEEP_STATE_H
 #define PLENOFIX_SRC_SWEEP_STATE_H
 
+#include "arena.h"
 #include "kernels.h"
 #include "rows.h"
 
@@ -50,7 +51,8 @@ typedef struct plfx_zncc_rows {
 
 typedef struct plfx_sweep_state {
     const plfx_plan *plan;
-    const plfx_views *views;
+    plfx_ring src;
+    int32_t first, next;               /* rows: first one entered, next one to enter */
     int32_t pairs;                     /* winners a pixel: 1, or one a view */
     plfx_span *span;                   /* [pairs][labels] */
     uint16_t *cost;                    /* [labels][nx] window costs of one pair */
@@ -66,6 +68,14 @@ typedef struct plfx_sweep_state {
     plfx_zncc_rows *rows;              /* in the workspace */
     plfx_race race;
 } plfx_sweep_state;
+
+/* Memory from the arena (measured when its base is NULL). */
+void plfx_zncc_carve(plfx_sweep_state *s, const plfx_plan *plan, plfx_arena *a);
+/* Forget all rows; the first map row is y0: window/2 <= y0. */
+void plfx_zncc_begin(plfx_sweep_state *s, int32_t y0);
+/* Row y of the map, y consecutive, where rows of the views around its window and the
+ * window before are at hand; `row` is a map of one row. */
+void plfx_zncc_map_row(plfx_sweep_state *s, int32_t y, const plfx_map *row);
 
 /* Row y of the views enters (sign 1) or leaves (-1) the columns. */
 void plfx_zncc_row(const plfx_sweep_state *s, int32_t y, int32_t sign);
@@ -114,8 +124,7 @@ static inline int32_t plfx_pair_view(const plfx_plan *plan, int32_t p)
 /* Row y of the reference view. */
 static inline const uint16_t *plfx_ref_row(const plfx_sweep_state *s, int32_t y)
 {
-    return s->views->px +
-           ((size_t)y * (size_t)s->views->n + s->plan->cfg.ref) * (size_t)s->views->nx;
+    return plfx_ring_row(&s->src, y, s->plan->cfg.ref);
 }
 
 #endif

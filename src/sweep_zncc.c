@@ -49,7 +49,7 @@ void plfx_zncc_row(const plfx_sweep_state *s, int32_t y, int32_t sign)
 #endif
         for (l = 0; l < plan->cfg.labels; l++) {
             size_t at = ((size_t)p * plan->cfg.labels + (size_t)l) * (size_t)plan->nx;
-            plfx_sample_row(plan, s->views, view, plfx_plan_shift(plan, view, l), y, 0,
+            plfx_sample_row(plan, &s->src, view, plfx_plan_shift(plan, view, l), y, 0,
                             plan->nx, s->sample);
             add_pair(s->b_col + at, s->bb_col + at, s->ab_col + at, plfx_ref_row(s, y),
                      s->sample, plan->nx, factor);

@@ -460,10 +460,7 @@ static void collect(const plfx_zncc_lanes *z, const turn *t, int32_t p, int32_t 
 
 static const uint16_t *view_row(const plfx_sweep_state *s, int32_t y, int32_t view)
 {
-    size_t n = (size_t)s->views->n;
-
-    return y < 0 ? NULL
-                 : s->views->px + ((size_t)y * n + (size_t)view) * (size_t)s->plan->nx;
+    return y < 0 ? NULL : plfx_ring_row(&s->src, y, view);
 }
 
 static void run_pair(const plfx_sweep_state *s, int32_t p, int32_t y, int32_t gone,

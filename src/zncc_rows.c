@@ -67,8 +67,7 @@ void plfx_zncc_row_whole(const plfx_sweep_state *s, int32_t p, int32_t y, uint32
     int32_t nx = plan->nx;
     int32_t view = plfx_pair_view(plan, p);
     size_t at = (size_t)p * plan->cfg.labels * (size_t)nx;
-    const uint16_t *row =
-        s->views->px + ((size_t)y * (size_t)s->views->n + (size_t)view) * (size_t)nx;
+    const uint16_t *row = plfx_ring_row(&s->src, y, view);
     int32_t n = nx + h.most - h.least;
     int32_t i;
 

@@ -28,7 +28,7 @@ VENV = common.ROOT / 'build-ci' / 'venv'
 ARGUED = common.ROOT / 'tests' / 'mutants.txt'
 KERNELS = ['depth.c', 'fuse.c', 'kernels.c', 'kernels_pair.c', 'refocus.c', 'sample.c',
            'select.c', 'sweep_zncc.c', 'texture.c', 'winner.c', 'winner_row.c',
-           'zncc_lanes.c', 'zncc_rows.c']
+           'zncc.c', 'zncc_lanes.c', 'zncc_rows.c']
 TESTS = ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'golden', 'frame',
          'lanes']
 LEAST = 0.95

@@ -2,7 +2,7 @@
  * Streaming: sensor rows in, map rows out.  No raw row is kept: each lens row gathers
  * its taps as the rows pass, each view row is matched as soon as it is whole.  The map
  * is that of plfx_view_all() and plfx_sweep() to the bit, whatever the profile; of
- * plfx_frame() where the plan's method is ARMS.
+ * plfx_gradient() and plfx_frame() where the plan's method is GRADIENT or ARMS.
  *
  *   plfx_plan_init(&plan, &what, &lut, lut.lattice.nx, lut.lattice.ny);
  *   memset(&cfg, 0, sizeof cfg);
@@ -34,7 +34,8 @@ extern "C" {
 
 typedef enum plfx_profile {
     PLFX_PROFILE_SMALL = 0, /* least memory: view rows at rest in 8 or 12 bits a sample,
-                               leaving costs computed again; ARMS does so in both */
+                               leaving costs computed again; ARMS does so in both.
+                               NCC and GRADIENT keep the rows of a window in both */
     PLFX_PROFILE_FAST       /* a ring of cost rows (SWEEP of 3 and more views) or of
                                striped view rows, cached lens centres */
 } plfx_profile;
@@ -42,8 +43,8 @@ typedef enum plfx_profile {
 #define PLFX_STREAM_OPEN_MAX 8 /* lens rows gathering taps at the same time */
 
 typedef struct plfx_stream_cfg {
-    const plfx_plan *plan; /* made with `lut`; SWEEP, PAIRS or ARMS; SAD; kept */
-    const plfx_lut *lut;   /* kept, with its blob */
+    const plfx_plan *plan;              /* made with `lut`; kept */
+    const plfx_lut *lut;                /* kept, with its blob */
     const struct plfx_frame_cfg *frame; /* ARMS: plfx_preset() of PLFX_PRESET_STREAM, or
                                            any without paths, refinement, second median
                                            and noise from 0.75 grey on; kept */
@@ -138,8 +139,30 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
                      PLFX_STREAM_MORE(128u * (labels), 256u * (median) * (median))) +  \
                  (labels) * (3u * ((nx) + 2u) + 2u * (arms) * (nx)))
 
-/* PLFX_OK, PLFX_E_ARG (a field out of range; NCC and GRADIENT plans, which run on
- * whole frames; settings of ARMS that do not stream), PLFX_E_SIZE (ws NULL, not aligned
+/* The same for pairs by NCC, up to 3 times over where labels are whole lenses;
+ * reach_y as in the plan, open as above. */
+#define PLFX_STREAM_TAPS(nx, packed_w, n, open, fast)                                  \
+    ((open) * (2u * (n) * (nx) + ((fast) ? 9u * (nx) + 256u : 0u)) +                   \
+     ((fast) ? 2u * (packed_w) : 0u) + 2u * (nx) + 8u * (n))
+#define PLFX_STREAM_NCC_WS(nx, packed_w, n, labels, window, reach, reach_y, open,      \
+                           fast, lanes)                                                \
+    PLFX_ALIGNED(                                                                      \
+        8192u + PLFX_STREAM_TAPS(nx, packed_w, n, open, fast) +                        \
+        2u * (n) * (nx) * ((window) + 2u + 2u * (reach_y)) +                           \
+        ((n)-1u) * (labels) *                                                          \
+            (PLFX_STREAM_MORE(12u * (nx), 4u * PLFX_STREAM_WIDE(nx, window, lanes)) +  \
+             8u) +                                                                     \
+        (labels) * (2u * (nx) + 24u * (lanes)) + (9u * (n) + 140u) * (nx) +            \
+        (8u * (n) + 64u) * (PLFX_STREAM_WIDE(nx, window, lanes) +                      \
+                            (2u * (reach) + (window) + 2u) * (lanes)))
+
+/* The same for the gradient. */
+#define PLFX_STREAM_GRADIENT_WS(nx, packed_w, window, open, fast)                      \
+    PLFX_ALIGNED(4096u + PLFX_STREAM_TAPS(nx, packed_w, 5u, open, fast) +              \
+                 (nx) * (10u * ((window) + 3u) + 70u))
+
+/* PLFX_OK, PLFX_E_ARG (a field out of range; settings of ARMS that do not stream),
+ * PLFX_E_SIZE (ws NULL, not aligned
  * to PLFX_ALIGN, or shorter than plfx_stream_ws()), PLFX_E_RANGE (the table needs more
  * open rows). */
 plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *ws,

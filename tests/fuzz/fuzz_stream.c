@@ -42,13 +42,31 @@ static int make_table(fuzz_input *in)
            plfx_lut_open(&lut, blob, sizeof blob) == PLFX_OK;
 }
 
+/* What a gradient takes: a cross of five views. */
+static void make_cross(plfx_cfg *c)
+{
+    int16_t step = (int16_t)(c->at[0].u_q8 / 2);
+    int32_t k;
+
+    c->n = 5;
+    c->ref = 0;
+    for (k = 0; k < 5; k++) {
+        c->at[k].u_q8 = (int16_t)(k == 2 ? step : k == 1 ? -step : 0);
+        c->at[k].v_q8 = (int16_t)(k == 4 ? step : k == 3 ? -step : 0);
+    }
+}
+
 static int make_plan(fuzz_input *in)
 {
     plfx_cfg c;
     int32_t k;
 
     memset(&c, 0, sizeof c);
-    c.method = (uint8_t)fuzz_range(in, 0, 3);
+    c.method = (uint8_t)fuzz_range(in, 0, 4);
+    if (c.method > PLFX_METHOD_ARMS) {
+        c.method = PLFX_METHOD_PAIRS;
+        c.cost = PLFX_COST_ZNCC;
+    }
     c.fit = (uint8_t)fuzz_range(in, 0, 1);
     c.window = (uint8_t)(3 + 2 * fuzz_range(in, 0, 3));
     c.bits = (uint8_t)fuzz_range(in, 8, 12);
@@ -62,6 +80,9 @@ static int make_plan(fuzz_input *in)
     for (k = 0; k < c.n; k++) {
         c.at[k].u_q8 = (int16_t)fuzz_range(in, -1200, 1200);
         c.at[k].v_q8 = (int16_t)fuzz_range(in, -1200, 1200);
+    }
+    if (c.method == PLFX_METHOD_GRADIENT) {
+        make_cross(&c);
     }
     return plfx_plan_init(&plan, &c, &lut, lut.lattice.nx, lut.lattice.ny) == PLFX_OK;
 }

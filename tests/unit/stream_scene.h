@@ -35,6 +35,8 @@ typedef struct planes {
 } planes;
 static planes got, want;
 
+enum { SUMS, ARMS, NCC, GRADIENT };
+
 typedef struct scene {
     plfx_lut lut;
     plfx_plan plan;
@@ -42,7 +44,7 @@ typedef struct scene {
     plfx_raw raw;  /* unpacked */
     plfx_raw sent; /* as pushed */
     int32_t white;
-    int32_t arms; /* 1: views in arms */
+    int32_t kind; /* SUMS .. GRADIENT */
     plfx_frame_cfg frame;
 } scene;
 
@@ -206,16 +208,54 @@ static inline void spread(scene *sc, plfx_cfg *c, ref_rng *rng)
     sc->frame.noise_q4 = (uint16_t)ref_range(rng, 0, 11);
 }
 
+/* A cross of five views. */
+static inline void cross(plfx_cfg *c, ref_rng *rng)
+{
+    int16_t step = (int16_t)ref_range(rng, 50, 700);
+    int16_t u = (int16_t)ref_range(rng, -200, 200);
+    int16_t v = (int16_t)ref_range(rng, -200, 200);
+
+    c->method = PLFX_METHOD_GRADIENT;
+    c->n = 5;
+    c->ref = 0;
+    for (int32_t k = 0; k < 5; k++) {
+        c->at[k].u_q8 = (int16_t)(u + (k == 2 ? step : k == 1 ? -step : 0));
+        c->at[k].v_q8 = (int16_t)(v + (k == 4 ? step : k == 3 ? -step : 0));
+    }
+}
+
+/* Views that move by whole lenses a label every other time. */
+static inline void correlate(plfx_cfg *c, const plfx_lattice *l, ref_rng *rng)
+{
+    c->method = PLFX_METHOD_PAIRS;
+    c->cost = PLFX_COST_ZNCC;
+    c->fuse = (uint8_t)ref_range(rng, 0, 1);
+    if (ref_range(rng, 0, 1) && l->kind == PLFX_LATTICE_SQUARE) {
+        c->slope_min_q16 = -65536;
+        c->slope_max_q16 = 65536;
+        c->labels = 3;
+        for (int32_t k = 0; k < c->n; k++) {
+            c->at[k].u_q8 = (int16_t)(256 * (k - c->ref));
+            c->at[k].v_q8 = 0;
+        }
+    }
+}
+
 static inline int make(scene *sc, ref_rng *rng)
 {
     int32_t bits = 8 + 2 * ref_range(rng, 0, 2);
     plfx_cfg c = random_cfg(rng, ref_range(rng, 8, 12));
 
-    if (sc->arms) {
+    if (sc->kind == ARMS) {
         spread(sc, &c, rng);
     }
     if (!open_table(sc, rng, bits)) {
         return 0;
+    }
+    if (sc->kind == NCC) {
+        correlate(&c, &sc->lut.lattice, rng);
+    } else if (sc->kind == GRADIENT) {
+        cross(&c, rng);
     }
     sc->tone = plfx_tone_unity(c.bits);
     sc->tone.black_u16 = (uint16_t)ref_range(rng, 0, 3000);
@@ -243,7 +283,7 @@ static inline plfx_stream_cfg stream_cfg(const scene *sc, int32_t profile)
     memset(&c, 0, sizeof c);
     c.plan = &sc->plan;
     c.lut = &sc->lut;
-    c.frame = sc->arms ? &sc->frame : NULL;
+    c.frame = sc->kind == ARMS ? &sc->frame : NULL;
     c.tone = sc->tone;
     c.profile = (uint8_t)profile;
     c.white = (uint8_t)sc->white;

@@ -80,7 +80,7 @@ static int one_case(uint32_t seed)
     ref_rng rng = {seed};
     scene sc;
 
-    sc.arms = 0;
+    sc.kind = SUMS;
     if (!make(&sc, &rng) || plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) == 0) {
         return 0;
     }
@@ -107,7 +107,7 @@ static scene some_scene(void)
 {
     scene sc;
 
-    sc.arms = 0;
+    sc.kind = SUMS;
     for (uint32_t seed = 1; seed < 100; seed++) {
         ref_rng rng = {seed};
         if (make(&sc, &rng) && plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) > 0) {
@@ -153,7 +153,7 @@ static void bad_configuration(void **state)
     c.profile = 2;
     assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_E_ARG);
     c = good;
-    zncc.cfg.method = PLFX_METHOD_PAIRS;
+    zncc.cfg.method = PLFX_METHOD_SWEEP; /* of pairs alone */
     zncc.cfg.cost = PLFX_COST_ZNCC;
     c.plan = &zncc;
     assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_E_ARG);

@@ -84,7 +84,7 @@ static int one_case(uint32_t seed)
     ref_rng rng = {seed};
     scene sc;
 
-    sc.arms = 1;
+    sc.kind = ARMS;
     if (!make(&sc, &rng) || plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) == 0 ||
         plfx_frame_ws(&sc.plan, &sc.frame) == 0) {
         return 0;
@@ -112,7 +112,7 @@ static scene some_scene(void)
 {
     scene sc;
 
-    sc.arms = 1;
+    sc.kind = ARMS;
     for (uint32_t seed = 1; seed < 100; seed++) {
         ref_rng rng = {seed};
         if (make(&sc, &rng) && plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) > 0 &&

@@ -119,9 +119,9 @@ static void equals_the_table_in_place(void **state)
     for (uint32_t seed = 1; seed <= 300; seed++) {
         ref_rng rng = {seed};
         scene sc;
-        sc.arms = seed % 3 == 0;
+        sc.kind = (int32_t)(seed % 4); /* every kind */
         if (make(&sc, &rng) && plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) > 0 &&
-            (!sc.arms || plfx_frame_ws(&sc.plan, &sc.frame) > 0)) {
+            (sc.kind != ARMS || plfx_frame_ws(&sc.plan, &sc.frame) > 0)) {
             fed_once(&sc, &rng, (int32_t)(seed & 1), seed);
             run++;
         }
@@ -134,7 +134,7 @@ static scene some_scene(void)
 {
     scene sc;
 
-    sc.arms = 0;
+    sc.kind = SUMS;
     for (uint32_t seed = 1; seed < 100; seed++) {
         ref_rng rng = {seed};
         if (make(&sc, &rng) && plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) > 0 &&
@@ -331,7 +331,7 @@ static void too_few_open_rows(void **state)
     (void)state;
     for (uint32_t seed = 1; seed < 300; seed++) {
         ref_rng rng = {seed};
-        sc.arms = 0;
+        sc.kind = SUMS;
         if (make(&sc, &rng) && plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) > 1) {
             break;
         }
