@@ -2,6 +2,7 @@
  * Winner, fit, margin, reciprocal root, and the helpers of fix.h. */
 #include "suite.h"
 #include "ref.h"
+#include "kernels.h"
 #include "rows.h"
 #include "fix.h"
 
@@ -148,7 +149,43 @@ static void weights_of_baselines(void **state)
     assert_int_equal(plfx_baseline_weight(&plan, 3), 65535);
 }
 
+#if PLFX_LANES > 1
+#define MOST 70 /* blocks: runs of 16 four times, and what they leave */
+
+/* Rows into stripes and back, the samples asked for and none behind them. */
+static void stripes_turn_back(void **state)
+{
+    static int16_t lin[MOST * PLFX_LANES];
+    static int16_t striped[MOST * PLFX_LANES];
+    static int16_t back[MOST * PLFX_LANES + 1];
+    int32_t blocks;
+    int32_t i;
+
+    (void)state;
+    for (i = 0; i < MOST * PLFX_LANES; i++) {
+        lin[i] = (int16_t)(i * 29 - 20000);
+    }
+    for (blocks = 1; blocks <= MOST; blocks++) {
+        int32_t all = blocks * PLFX_LANES;
+        int32_t less;
+        plfx_k_stripe(lin, blocks, striped);
+        for (i = 0; i < all; i++) {
+            assert_int_equal(striped[i], lin[i % PLFX_LANES * blocks + i / PLFX_LANES]);
+        }
+        for (less = 0; less < all && less < 40; less++) {
+            memset(back, 0x55, sizeof back);
+            plfx_k_unstripe(striped, blocks, all - less, back);
+            assert_memory_equal(back, lin, (size_t)(all - less) * sizeof(int16_t));
+            assert_int_equal(back[all - less], 0x5555);
+        }
+    }
+}
+#endif
+
 static const struct CMUnitTest tests[] = {
+#if PLFX_LANES > 1
+    cmocka_unit_test(stripes_turn_back),
+#endif
     cmocka_unit_test(shifts_are_floors),
     cmocka_unit_test(roots),
     cmocka_unit_test(fits),
