@@ -32,36 +32,38 @@ static unsigned char *aligned(void)
     return memory.bytes + (64u - (uintptr_t)memory.bytes % 64u) % 64u;
 }
 
-static double noise(double sigma)
+/* Drawn in single precision: cores without double need minutes otherwise. */
+static float noise(float sigma)
 {
-    double sum = -6.0;
+    uint32_t sum = 0;
     int k;
 
     for (k = 0; k < 12; k++) {
         seed = seed * 1664525u + 1013904223u;
-        sum += (double)(seed >> 8) / 16777216.0;
+        sum += seed >> 8;
     }
-    return sigma * sum;
+    return sigma * ((float)sum / 16777216.0f - 6.0f);
 }
 
 /* Waves of 4 to 12 samples, 0 .. 1. */
-static double texture(double x, double y)
+static float texture(float x, float y)
 {
-    static const double k[8][3] = {
-        {0.22, 0.05, 0.3}, {0.08, -0.2, 1.1}, {-0.13, 0.14, 2.5}, {0.1, 0.12, 4.0},
-        {0.02, 0.24, 5.1}, {0.16, -0.1, 0.9}, {0.19, 0.13, 3.3},  {-0.05, 0.11, 1.9}};
-    double v = 0;
+    static const float k[8][3] = {{0.22f, 0.05f, 0.3f},  {0.08f, -0.2f, 1.1f},
+                                  {-0.13f, 0.14f, 2.5f}, {0.1f, 0.12f, 4.0f},
+                                  {0.02f, 0.24f, 5.1f},  {0.16f, -0.1f, 0.9f},
+                                  {0.19f, 0.13f, 3.3f},  {-0.05f, 0.11f, 1.9f}};
+    float v = 0;
     int n;
 
     for (n = 0; n < 8; n++) {
-        v += sin(2 * PI * (k[n][0] * x + k[n][1] * y) + k[n][2]);
+        v += sinf(2 * (float)PI * (k[n][0] * x + k[n][1] * y) + k[n][2]);
     }
-    return 0.5 + v / 18.0;
+    return 0.5f + v / 18.0f;
 }
 
-static uint16_t digital(double v, double light, double sigma)
+static uint16_t digital(float v, float light, float sigma)
 {
-    double s = floor(4095.0 * 0.8 * light * v + noise(sigma) + 0.5);
+    float s = floorf(4095.0f * 0.8f * light * v + noise(sigma) + 0.5f);
 
     return (uint16_t)(s < 0 ? 0 : s > 4095 ? 4095 : s);
 }
@@ -73,7 +75,8 @@ static void draw(double x, double y, double light, double sigma)
 
     for (j = 0; j < H; j++) {
         for (i = 0; i < W; i++) {
-            image[j * W + i] = digital(texture(i - x, j - y), light, sigma);
+            float t = texture((float)(i - x), (float)(j - y));
+            image[j * W + i] = digital(t, (float)light, (float)sigma);
         }
     }
 }
@@ -94,12 +97,17 @@ static void draw_raw(double x, double y, double d, double light, double sigma)
 
     for (j = 0; j < h; j++) {
         for (i = 0; i < w; i++) {
-            double u = i % LENS - LENS / 2;
-            double v = j % LENS - LENS / 2;
-            double t = texture(i / LENS - x - d * u, j / LENS - y - d * v) +
-                       fine * sin(2 * PI * 0.7 * (i / LENS - x));
-            t = fabs(i / LENS + 0.15 * u - bar) < 0.8 ? 0.05 : t;
-            raw[j * w + i] = digital(t, light, sigma);
+            int u = i % LENS - LENS / 2;
+            int v = j % LENS - LENS / 2;
+            float at = (float)(i / LENS) - (float)x;
+            float t =
+                texture(at - (float)(d * u), (float)(j / LENS) - (float)(y + d * v));
+            if (fine > 0) {
+                t += (float)fine * sinf(2 * (float)PI * 0.7f * at);
+            }
+            t = fabsf((float)(i / LENS) + 0.15f * (float)u - (float)bar) < 0.8f ? 0.05f
+                                                                                : t;
+            raw[j * w + i] = digital(t, (float)light, (float)sigma);
         }
     }
 }
