@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Mutation score of the kernels: of faults put into them, how many do the tests see?
 
-usage: mutation.py [N [FIRST]]    N mutants (default 120) of the kernels, from number FIRST
-                                  (0) of the order; at least 95 % must be seen or argued
-                                  in tests/mutants.txt
-       mutation.py --note         the same, and the counts into tests/mutation.csv
+usage: mutation.py [--note] [SET ...]   a sample of each set of kernels: of each at least
+                                  95 % must be seen or argued in tests/mutants.txt;
+                                  --note: the counts into tests/mutation.csv
+       mutation.py SET N FIRST    N mutants of a set, from number FIRST (0) of the order
        mutation.py --report FILE  judge a list of survivors made before
 
 Mutants are made by universalmutator (from PyPI, into build-ci/venv) and tried in a copy of
@@ -26,11 +26,18 @@ import common
 FOLDER = common.ROOT / 'build-ci' / 'mutants'
 VENV = common.ROOT / 'build-ci' / 'venv'
 ARGUED = common.ROOT / 'tests' / 'mutants.txt'
-KERNELS = ['depth.c', 'fuse.c', 'kernels.c', 'kernels_pair.c', 'refocus.c', 'sample.c',
-           'select.c', 'sweep_zncc.c', 'texture.c', 'winner.c', 'winner_row.c',
-           'zncc.c', 'zncc_lanes.c', 'zncc_rows.c']
-TESTS = ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'golden', 'frame',
-         'lanes']
+# Sources, tests that may see a mutant, mutants of the sample.
+SETS = {
+    'matching': (['depth.c', 'fuse.c', 'kernels.c', 'kernels_pair.c', 'refocus.c',
+                  'sample.c', 'select.c', 'sweep_zncc.c', 'texture.c', 'winner.c',
+                  'winner_row.c', 'zncc.c', 'zncc_lanes.c', 'zncc_rows.c'],
+                 ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'golden',
+                  'frame', 'lanes'], 120),
+    'frames': (['arms.c', 'gradient.c', 'match_judge.c', 'median.c', 'refine.c', 'sgm.c',
+                'view.c', 'view_run.c'],
+               ['gradient', 'view', 'winner', 'golden', 'frame_edges', 'sweep',
+                'stream_edges', 'limits', 'frame'], 60),
+}
 LEAST = 0.95
 COUNTS = common.ROOT / 'tests' / 'mutation.csv'
 
@@ -42,7 +49,7 @@ def tool():
     return VENV / 'bin/mutate'
 
 
-def prepare():
+def prepare(tests):
     """A copy of the tree, built; returns it."""
     shutil.rmtree(FOLDER, ignore_errors=True)
     tree = FOLDER / 'tree'
@@ -53,15 +60,15 @@ def prepare():
     common.run('meson', 'setup', tree / 'build', tree, '-Dtools=disabled',
                '-Dopencl=disabled', '-Daravis=disabled', '-Ddefault_library=static',
                '-Doptimization=1')
-    common.run('ninja', '-C', tree / 'build', *(f'tests/test_{t}' for t in TESTS))
+    common.run('ninja', '-C', tree / 'build', *(f'tests/test_{t}' for t in tests))
     return tree
 
 
-def mutants(tree):
+def mutants(tree, sources):
     """(hash, file, where, line, mutated line, mutated text) of all, in order."""
     every, seen = [], collections.Counter()
     os.chdir(FOLDER)  # where the tool leaves its files
-    for name in KERNELS:
+    for name in sources:
         folder = FOLDER / 'made' / name
         folder.mkdir(parents=True)
         common.run(tool(), tree / 'src' / name, 'c', '--noCheck', '--mutantDir', folder)
@@ -83,13 +90,13 @@ def objects(tree, name, folder):
     return target.read_bytes() if done.returncode == 0 else None
 
 
-def verdict(tree, name):
+def verdict(tree, tests):
     """'seen', or 'missed', of the mutant that lies in the tree."""
     done = subprocess.run(['ninja', '-C', str(tree / 'build'),
-                           *(f'tests/test_{t}' for t in TESTS)], capture_output=True)
+                           *(f'tests/test_{t}' for t in tests)], capture_output=True)
     if done.returncode:
         return 'seen'  # a compiler refuses it
-    for t in TESTS:
+    for t in tests:
         try:
             done = subprocess.run([str(tree / 'build/tests' / f'test_{t}')],
                                   capture_output=True, timeout=60)
@@ -111,19 +118,21 @@ def changed(name, original, mutant):
     return name, '', ''
 
 
-def run(count, first):
-    tree = prepare()
+def run(which, count=None, first=0):
+    sources, tests, sample = SETS[which]
+    count = count or sample
+    tree = prepare(tests)
     tried, survivors = 0, []
     with common.scratch() as folder:
-        plain = {n: objects(tree, n, folder) for n in KERNELS}
-        for _, name, where, text in mutants(tree):
+        plain = {n: objects(tree, n, folder) for n in sources}
+        for _, name, where, text in mutants(tree, sources):
             source = tree / 'src' / name
             original = source.read_text()
             source.write_text(text)
             code = objects(tree, name, folder)
             if code is not None and code != plain[name]:
                 tried += 1
-                if tried > first and verdict(tree, name) == 'missed':
+                if tried > first and verdict(tree, tests) == 'missed':
                     survivors.append(where)
                     print(f'missed ({tried}): ' + ' | '.join(where), flush=True)
             source.write_text(original)
@@ -147,22 +156,36 @@ def report(path):
     return int(head), [tuple(w.strip() for w in line.split(' | ')) for line in rest]
 
 
-args = [a for a in sys.argv[1:] if a != '--note']
-tried, survivors = report(args[1]) if args[:1] == ['--report'] else run(
-    *([int(a) for a in args] + [120, 0][len(args):]))
-known = argued()
-findings = [f'{" | ".join(s)}: not seen by a test, not argued' for s in survivors
-            if s not in known]
-score = (tried - len(findings)) / tried
-counts = tried, tried - len(survivors), len(survivors) - len(findings)
-print(f'mutants: {counts[0]} tried, {counts[1]} seen, {counts[2]} argued, '
-      f'score {score:.3f}')
-if '--note' in sys.argv:
+def judge(name, tried, survivors):
+    """Counts of a set, and what is wrong with it."""
+    known = argued()
+    new = [f'{" | ".join(s)}: not seen by a test, not argued' for s in survivors
+           if s not in known]
+    score = (tried - len(new)) / tried
+    counts = name, tried, tried - len(survivors), len(survivors) - len(new)
+    print(f'{name}: {tried} tried, {counts[2]} seen, {counts[3]} argued, '
+          f'score {score:.3f}')
+    if score >= LEAST:
+        for line in new:
+            print(line)
+        new = []
+    return counts, new
+
+
+def note(rows):
     COUNTS.write_text('# Faults put into the kernels; written by\n'
                       '# python3 .ci/checks/mutation.py --note\n'
-                      'tried,seen,argued\n' + ','.join(map(str, counts)) + '\n')
-if score >= LEAST:
-    for f in findings:
-        print(f)
-    findings = []
-common.verdict(findings, 'mutation')
+                      'set,tried,seen,argued\n' +
+                      ''.join(','.join(map(str, row)) + '\n' for row in rows))
+
+
+args = [a for a in sys.argv[1:] if a != '--note']
+if args[:1] == ['--report']:
+    results = [judge('report', *report(args[1]))]
+elif len(args) == 3 and args[1].isdigit():
+    results = [judge(args[0], *run(args[0], int(args[1]), int(args[2])))]
+else:
+    results = [judge(name, *run(name)) for name in args or SETS]
+    if '--note' in sys.argv:
+        note([counts for counts, _ in results])
+common.verdict([f for _, findings in results for f in findings], 'mutation')
