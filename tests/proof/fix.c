@@ -20,6 +20,14 @@ static inline int32_t plfx_max_i32(int32_t a, int32_t b);
     ensures v > hi ==> \result == hi; */
 static inline int32_t plfx_clamp_i32(int32_t v, int32_t lo, int32_t hi);
 
+/*@ requires lo <= hi;
+    assigns \nothing;
+    ensures lo <= \result <= hi;
+    ensures lo <= v <= hi ==> \result == v;
+    ensures v < lo ==> \result == lo;
+    ensures v > hi ==> \result == hi; */
+static inline int64_t plfx_clamp_i64(int64_t v, int64_t lo, int64_t hi);
+
 /*@ requires 0 <= s <= 31;
     assigns \nothing;
     ensures \result == (v >> s); */
