@@ -1,0 +1,4 @@
+/* SPDX-License-Identifier: MIT */
+struct planted {
+    int told_q8, silent_q12;
+};
