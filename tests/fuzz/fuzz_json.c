@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * JSON as the tools read it: the bare object, or by the first byte a scene, the optics
- * or regions, through a file in memory. */
+ * What the tools read as JSON or as regions: the bare object, or by the first byte a
+ * scene, the optics, regions and their places, through a file in memory, or the
+ * views.json of a folder. */
 #define _GNU_SOURCE
 #include "fuzz.h"
 
 #include "common/json.h"
 #include "common/optics.h"
+#include "common/views_json.h"
 #include "motion/regions.h"
 #include "sim/scene.h"
 
@@ -13,21 +15,50 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+/* Views of a folder that holds nothing else. */
+static void views(const uint8_t *bytes, size_t n)
+{
+    char folder[] = "/tmp/plenofix-fuzz-XXXXXX";
+    char path[sizeof folder + 16];
+    plft_field field;
+    FILE *file;
+
+    fuzz_must(mkdtemp(folder) != NULL);
+    (void)snprintf(path, sizeof path, "%s/views.json", folder);
+    file = fopen(path, "wb");
+    fuzz_must(file != NULL);
+    (void)fwrite(bytes, 1, n, file);
+    (void)fclose(file);
+    memset(&field, 0, sizeof field);
+    if (plft_views_json_read(&field, folder) == 0) {
+        fuzz_must(field.n_ready >= 2 && field.nx >= 1 && field.ny >= 1);
+    }
+    plft_field_free(&field);
+    (void)unlink(path);
+    (void)rmdir(folder);
+}
+
 static void by_file(uint32_t kind, const char *path)
 {
     static plfx_roi_cfg cfg;
     static plft_scene scene;
+    static double place[PLFX_ROI_MAX][3];
     plft_optics optics;
+    int known;
 
     if (kind == 1) {
         if (plft_scene_read(&scene, path) == 0) {
             plft_scene_free(&scene);
         }
     } else if (kind == 2) {
+        (void)plft_optics_read(&optics, path, 0);
         (void)plft_optics_read(&optics, path, 1);
     } else {
         memset(&cfg, 0, sizeof cfg);
-        (void)plft_regions_read(&cfg, path);
+        if (plft_regions_read(&cfg, path) == 0) {
+            fuzz_must(cfg.regions >= 1 && cfg.regions <= PLFX_ROI_MAX);
+            (void)plft_regions_places(path, place, &known);
+        }
     }
 }
 
@@ -48,11 +79,13 @@ static void as_file(uint32_t kind, const uint8_t *bytes, size_t n)
 int LLVMFuzzerTestOneInput(const uint8_t *bytes, size_t n)
 {
     fuzz_input in = {bytes, n};
-    uint32_t kind = fuzz_u8(&in) % 4u;
+    uint32_t kind = fuzz_u8(&in) % 5u;
     uint8_t *copy = fuzz_rest(&in);
     json_t *root;
 
-    if (kind != 0) {
+    if (kind == 4) {
+        views(copy, in.left);
+    } else if (kind != 0) {
         as_file(kind, copy, in.left);
     } else if (plft_json_parse(&root, (const char *)copy, in.left, "input") == 0) {
         double v = 1;

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * The streaming driver: random geometry, plan and profile in a workspace of the very
- * size it asks for, rows in bands of any height, calls in any order.  What is popped
- * equals nothing here (test_stream does that); nothing may break, and a frame that was
- * fed in full ends. */
+ * The streaming driver: random geometry, plan and profile, the arms of the stream
+ * preset too, in a workspace of the very size it asks for, rows in bands of any height,
+ * rows of the table in place or fed with anything in them, calls in any order.  What is
+ * popped equals nothing here (test_stream does that); nothing may break, and a frame
+ * that was fed in full ends. */
 #define _POSIX_C_SOURCE 200809L
 #include "fuzz.h"
 
+#include "plenofix/preset.h"
 #include "plenofix/stream.h"
 
 #define SIDE   14 /* lenses, at most */
@@ -14,6 +16,7 @@
 static uint8_t blob[4096], flags[SIDE * SIDE];
 static plfx_lut lut;
 static plfx_plan plan;
+static plfx_frame_cfg frame;
 
 static int make_table(fuzz_input *in)
 {
@@ -77,6 +80,9 @@ static int make_plan(fuzz_input *in)
     c.unique_u16 = (uint16_t)fuzz_range(in, 0, 20000);
     c.slope_min_q16 = fuzz_range(in, -30000, 30000);
     c.slope_max_q16 = c.slope_min_q16 + fuzz_range(in, 0, 60000);
+    if (c.method == PLFX_METHOD_ARMS) {
+        fuzz_must(plfx_preset(PLFX_PRESET_STREAM, &c, &frame) == PLFX_OK);
+    }
     for (k = 0; k < c.n; k++) {
         c.at[k].u_q8 = (int16_t)fuzz_range(in, -1200, 1200);
         c.at[k].v_q8 = (int16_t)fuzz_range(in, -1200, 1200);
@@ -106,6 +112,17 @@ static plfx_stream_cfg make_cfg(fuzz_input *in)
                                    : fuzz_range(in, 0, 9);
     c.j0 = fuzz_range(in, 0, 3);
     c.j1 = lut.lattice.ny - fuzz_range(in, 0, 3);
+    c.fed = (uint8_t)fuzz_range(in, 0, 1);
+    if (plan.cfg.method == PLFX_METHOD_ARMS) {
+        frame.arms = (uint8_t)(4 * fuzz_range(in, 1, 2));
+        frame.keep = (uint8_t)fuzz_range(in, 1, 4);
+        frame.median1 = (uint8_t)(2 * fuzz_range(in, 0, 3) + 1);
+        frame.median1 = frame.median1 == 1 ? 0 : frame.median1;
+        frame.gweight_q4 = (uint16_t)fuzz_range(in, 0, 31);
+        frame.shrink = (uint8_t)fuzz_range(in, 0, 1);
+        frame.axes = (uint8_t)fuzz_range(in, 0, 1);
+        c.frame = &frame;
+    }
     return c;
 }
 
@@ -130,6 +147,46 @@ static int32_t pop_all(plfx_stream *s, int32_t ready)
     return n;
 }
 
+/* Row j of the table with anything in it; the status. */
+static plfx_status feed_row(fuzz_input *in, plfx_stream *s, int32_t j, int32_t *ready)
+{
+    int16_t resid[2 * SIDE];
+    uint16_t gain[SIDE];
+    uint8_t some[SIDE];
+    uint32_t with = fuzz_u8(in);
+    plfx_lens_row row = {NULL, NULL, NULL};
+    int32_t i;
+
+    for (i = 0; i < SIDE; i++) {
+        resid[2 * i] = (int16_t)(fuzz_u8(in) * 16u);
+        resid[2 * i + 1] = (int16_t)(fuzz_u16(in));
+        some[i] = (uint8_t)(fuzz_u8(in) >> 5);
+        gain[i] = (uint16_t)(fuzz_u8(in) * 257u);
+    }
+    row.resid_q12 = with & 1u ? resid : NULL;
+    row.flags = with & 2u ? some : NULL;
+    row.lens_gain_u13 = with & 4u ? gain : NULL;
+    return plfx_stream_feed(s, j, &row, ready);
+}
+
+/* What the stream wants of the table; rows popped, -1 when a row was refused. */
+static int32_t feed_table(fuzz_input *in, plfx_stream *s)
+{
+    int32_t popped = 0;
+    int32_t j;
+
+    while ((j = plfx_stream_wants(s)) >= 0) { /* at most once a row of the table */
+        int32_t ready = 0;
+        plfx_status status = feed_row(in, s, j, &ready);
+        fuzz_must(s->cfg.fed && (status == PLFX_OK || status == PLFX_E_RANGE));
+        if (status != PLFX_OK) {
+            return -1;
+        }
+        popped += pop_all(s, ready);
+    }
+    return popped;
+}
+
 /* The whole frame in bands, popping as rows come. */
 static void feed(fuzz_input *in, plfx_stream *s, const plfx_raw *raw)
 {
@@ -137,11 +194,16 @@ static void feed(fuzz_input *in, plfx_stream *s, const plfx_raw *raw)
     int32_t popped = 0;
     int32_t y = 0;
 
-    while (y < raw->h) { /* at most 2 rounds a row: each takes one or pops one */
+    while (y < raw->h) { /* at most 3 rounds a row: each takes, pops or feeds one */
         plfx_raw band = *raw;
         int32_t used = 0;
         int32_t ready = 0;
+        int32_t fed = feed_table(in, s);
         plfx_status status;
+        if (fed < 0) {
+            return;
+        }
+        popped += fed;
         band.h = 1 + fuzz_range(in, 0, 16);
         band.h = band.h < raw->h - y ? band.h : raw->h - y;
         if (row_bits * (size_t)y % 8u != 0) {
@@ -154,11 +216,16 @@ static void feed(fuzz_input *in, plfx_stream *s, const plfx_raw *raw)
         if (status != PLFX_OK) {
             return;
         }
-        fuzz_must(used > 0 || ready > 0);
+        fuzz_must(used > 0 || ready > 0 || plfx_stream_wants(s) >= 0);
         y += used;
         popped += pop_all(s, ready);
     }
     if (y == raw->h) {
+        int32_t fed = feed_table(in, s);
+        if (fed < 0) {
+            return;
+        }
+        popped += fed;
         fuzz_must(plfx_stream_finish(s) == PLFX_OK);
         fuzz_must(popped == s->cfg.j1 - s->cfg.j0);
     }
@@ -175,6 +242,9 @@ static void stumble(fuzz_input *in, plfx_stream *s, const plfx_raw *raw)
         plfx_raw_row row;
         if (plfx_raw_row_at(raw, y, &row) == PLFX_OK) {
             fuzz_must(plfx_stream_push(s, y, &row, &ready) <= PLFX_OK);
+        }
+        if (fuzz_u8(in) & 1u) {
+            fuzz_must(feed_row(in, s, fuzz_range(in, -1, SIDE), &ready) <= PLFX_OK);
         }
         if (fuzz_u8(in) & 1u) {
             (void)pop_all(s, ready);
