@@ -80,6 +80,7 @@ static int make_plan(fuzz_input *in)
     c.unique_u16 = (uint16_t)fuzz_range(in, 0, 20000);
     c.slope_min_q16 = fuzz_range(in, -30000, 30000);
     c.slope_max_q16 = c.slope_min_q16 + fuzz_range(in, 0, 60000);
+    c.cost = (uint8_t)(c.method == PLFX_METHOD_PAIRS ? fuzz_range(in, 0, 1) : 0);
     if (c.method == PLFX_METHOD_ARMS) {
         fuzz_must(plfx_preset(PLFX_PRESET_STREAM, &c, &frame) == PLFX_OK);
     }
