@@ -88,7 +88,9 @@ static uint16_t raw[LENS * 18 * LENS * 24];
 static double fine;     /* texture of 0.7 cycle a lens, alike in all views */
 static double bar = -9; /* lens column of a dark bar at another depth */
 
-static void draw_raw(double x, double y, double d, double light, double sigma)
+static float clean[LENS * 18 * LENS * 24]; /* the scene drawn last, without noise */
+
+static void draw_clean(double x, double y, double d)
 {
     int w = LENS * 24;
     int h = LENS * 18;
@@ -107,8 +109,23 @@ static void draw_raw(double x, double y, double d, double light, double sigma)
             }
             t = fabsf((float)(i / LENS) + 0.15f * (float)u - (float)bar) < 0.8f ? 0.05f
                                                                                 : t;
-            raw[j * w + i] = digital(t, (float)light, (float)sigma);
+            clean[j * w + i] = t;
         }
+    }
+}
+
+static void draw_raw(double x, double y, double d, double light, double sigma)
+{
+    static double last[5] = {NAN};
+    double now[5] = {x, y, d, fine, bar};
+    int i;
+
+    if (memcmp(last, now, sizeof now) != 0) {
+        draw_clean(x, y, d);
+        memcpy(last, now, sizeof now);
+    }
+    for (i = 0; i < LENS * 18 * LENS * 24; i++) {
+        raw[i] = digital(clean[i], (float)light, (float)sigma);
     }
 }
 
