@@ -6,21 +6,27 @@
 
 #include <string.h>
 
-enum { CENTRE, LEFT, RIGHT, UP, DOWN, VIEWS = PLFX_GRADIENT_VIEWS };
-
 typedef plfx_gradient_state state;
+
+static int64_t *sums(plfx_arena *a, const plfx_plan *plan)
+{
+    return plfx_take(a, (size_t)plan->nx, sizeof(int64_t));
+}
 
 void plfx_gradient_carve(state *s, const plfx_plan *plan, plfx_arena *a)
 {
-    int32_t v;
-    int32_t r;
+    size_t nx = (size_t)plan->nx;
 
     s->plan = plan;
-    s->col = plfx_take(a, (size_t)plan->nx, sizeof(plfx_products));
-    for (v = 0; v < VIEWS; v++) {
-        for (r = 0; r < 3; r++) {
-            s->row[v][r] = plfx_take(a, (size_t)plan->nx, sizeof(uint16_t));
-        }
+    s->col.num = sums(a, plan);
+    s->col.xx = sums(a, plan);
+    s->col.yy = sums(a, plan);
+    s->col.xy = sums(a, plan);
+    s->slants = plfx_take(a, 4u * (plan->cfg.window + 1u) * nx, sizeof(int16_t));
+    s->spare = plfx_take(a, 2u * nx, sizeof(uint32_t));
+    s->beside = NULL;
+    if (plan->hex) {
+        s->beside = plfx_take(a, 2u * PLFX_G_VIEWS * nx, sizeof(uint16_t));
     }
 }
 
@@ -33,105 +39,92 @@ size_t plfx_gradient_ws(const plfx_plan *plan)
     return a.used;
 }
 
-/* Rows y-1 .. y+1 of every view; on a hexagonal lattice the outer ones are displaced by
- * the odd-row step so that columns line up. */
-static void load(const state *s, int32_t y)
+/* Row y-1 (side 0) or y+1 of a view: on a hexagonal lattice displaced by the
+ * odd-row step, so that columns line up. */
+static const uint16_t *beside(const state *s, int32_t view, int32_t side, int32_t y)
 {
+    plfx_shift shift = {0, 0, 2 * side - 1, 0};
+    uint16_t *out;
+
+    if (!s->plan->hex) {
+        return plfx_ring_row(&s->src, y + shift.ky, view);
+    }
+    out = s->beside + (size_t)(2 * view + side) * (size_t)s->plan->nx;
+    plfx_sample_row(s->plan, &s->src, view, shift, y, 0, s->plan->nx, out);
+    return out;
+}
+
+/* Where the derivatives of row y rest. */
+static plfx_slants resting(const state *s, int32_t y)
+{
+    size_t nx = (size_t)s->plan->nx;
+    int16_t *at = s->slants + 4u * nx * (size_t)(y % (s->plan->cfg.window + 1));
+    plfx_slants d = {at, at + nx, at + 2u * nx, at + 3u * nx};
+
+    return d;
+}
+
+/* Row y enters the columns, row y - window leaves them; it rests where y + 1
+ * will. */
+static void enter(const state *s, int32_t y)
+{
+    plfx_strips strips;
+    plfx_slants in = resting(s, y);
+    plfx_slants out = resting(s, y + 1);
     int32_t v;
-    int32_t r;
 
-    for (v = 0; v < VIEWS; v++) {
-        for (r = 0; r < 3; r++) {
-            plfx_shift shift = {0, 0, r - 1, 0};
-            plfx_sample_row(s->plan, &s->src, v, shift, y, 0, s->plan->nx,
-                            s->row[v][r]);
-        }
+    for (v = 0; v < PLFX_G_VIEWS; v++) {
+        strips.px[v][0] = beside(s, v, 0, y);
+        strips.px[v][1] = plfx_ring_row(&s->src, y, v);
+        strips.px[v][2] = beside(s, v, 1, y);
     }
+    plfx_gradient_slants(&strips, s->plan->nx, s->spare, &in);
+    plfx_gradient_columns(&s->col, &in, &out, s->plan->nx,
+                          plfx_asr_i32(s->plan->col_q16, 4),
+                          plfx_asr_i32(s->plan->row_q16, 4));
 }
 
-/* A 3x3 separable stencil of one view at x: 12-bit samples, 12 + 16 bits. */
-static int64_t stencil(const state *s, int32_t v, int32_t x, const int32_t along[3],
-                       const int32_t across[3])
-{
-    int64_t sum = 0;
-    int32_t r;
+/* Of one window. */
+typedef struct window_sums {
+    int64_t num, xx, yy, xy;
+} window_sums;
 
-    for (r = 0; r < 3; r++) {
-        const uint16_t *p = s->row[v][r] + x;
-        sum += across[r] * ((int64_t)along[0] * p[-1] + (int64_t)along[1] * p[0] +
-                            (int64_t)along[2] * p[1]);
-    }
-    return sum;
+/* What every lens of a row shares, out of reach of what is written to the map.
+ */
+typedef struct shared {
+    int64_t xx_q12, yy_q12; /* weights of the energies */
+    int64_t area;
+    int32_t du_q8, bits, unique, rated;
+} shared;
+
+static shared of_row(const plfx_plan *plan, const plfx_map *row)
+{
+    int64_t col = plfx_asr_i32(plan->col_q16, 4);
+    int64_t line = plfx_asr_i32(plan->row_q16, 4);
+    shared s;
+
+    s.xx_q12 = plfx_asr_i64(col * col, 12);
+    s.yy_q12 = plfx_asr_i64(line * line, 12);
+    s.area = (int64_t)plan->cfg.window * plan->cfg.window;
+    s.du_q8 = plan->du_q8[2];
+    s.bits = plan->cfg.bits;
+    s.unique = plan->cfg.unique_u16;
+    s.rated = row->conf_u16 || s.unique > 0;
+    return s;
 }
 
-static const int32_t smooth[3] = {PLFX_P_SIDE, PLFX_P_MID, PLFX_P_SIDE};
-static const int32_t differ[3] = {-PLFX_D_SIDE, 0, PLFX_D_SIDE};
-
-/* Derivative along x or y of three views in line, prefiltered along their offset:
- * q4. */
-static int64_t spatial_q4(const state *s, int32_t minus, int32_t plus, int32_t x,
-                          const int32_t *along, const int32_t *across)
+/* Confidence costs more than the rest: it is left out where nobody asks. */
+static void judge(const shared *s, const plfx_map *row, int32_t x, const window_sums *w)
 {
-    int64_t sum = PLFX_P_SIDE * (stencil(s, minus, x, along, across) +
-                                 stencil(s, plus, x, along, across)) +
-                  PLFX_P_MID * stencil(s, CENTRE, x, along, across);
-
-    return plfx_round_shift_i64(sum, 20);
-}
-
-/* Derivative along the offset, prefiltered along x and y: q4 a step. */
-static int64_t angular_q4(const state *s, int32_t minus, int32_t plus, int32_t x)
-{
-    int64_t diff =
-        stencil(s, plus, x, smooth, smooth) - stencil(s, minus, x, smooth, smooth);
-
-    return plfx_round_shift_i64(PLFX_D_SIDE * diff, 20);
-}
-
-static plfx_products products(const state *s, int32_t x)
-{
-    int64_t ix = spatial_q4(s, LEFT, RIGHT, x, differ, smooth);
-    int64_t iy = spatial_q4(s, UP, DOWN, x, smooth, differ);
-    plfx_products c;
-
-    c.xu = ix * angular_q4(s, LEFT, RIGHT, x);
-    c.yv = iy * angular_q4(s, UP, DOWN, x);
-    c.xx = ix * ix;
-    c.yy = iy * iy;
-    c.xy = ix * iy;
-    return c;
-}
-
-static void add(plfx_products *to, const plfx_products *c, int64_t sign)
-{
-    to->xu += sign * c->xu;
-    to->yv += sign * c->yv;
-    to->xx += sign * c->xx;
-    to->yy += sign * c->yy;
-    to->xy += sign * c->xy;
-}
-
-/* Row y of products enters or leaves the columns, lenses 1 .. nx-2. */
-static void columns(const state *s, int32_t y, int64_t sign)
-{
-    int32_t x;
-
-    load(s, y);
-    for (x = 1; x < s->plan->nx - 1; x++) {
-        plfx_products c = products(s, x);
-        add(&s->col[x], &c, sign);
-    }
-}
-
-static void judge(const plfx_plan *plan, const plfx_map *row, int32_t x,
-                  const plfx_products *w)
-{
-    int64_t n = (int64_t)plan->cfg.window * plan->cfg.window;
-    uint16_t conf = (uint16_t)plfx_gradient_conf_u16(*w, n, plan->cfg.bits);
     int32_t slope =
-        plfx_gradient_slope_q16(*w, plan->col_q16, plan->row_q16, plan->du_q8[2]);
+        plfx_ratio_q16(-w->num, s->xx_q12 * w->xx + s->yy_q12 * w->yy, s->du_q8);
+    uint16_t conf = 0;
 
-    if (slope == PLFX_SLOPE_NONE || conf < plan->cfg.unique_u16) {
+    if (slope != PLFX_SLOPE_NONE && s->rated) {
+        plfx_products p = {0, 0, w->xx, w->yy, w->xy};
+        conf = (uint16_t)plfx_gradient_conf_u16(p, s->area, s->bits);
+    }
+    if (slope == PLFX_SLOPE_NONE || conf < s->unique) {
         plfx_map_put(row, (size_t)x, PLFX_SLOPE_NONE, 0, PLFX_FLAG_TEXTURE);
     } else {
         plfx_map_put(row, (size_t)x, slope, conf, 0);
@@ -147,43 +140,49 @@ static void edge(const plfx_map *row, int32_t x0, int32_t x1)
     }
 }
 
-/* Windows with their stencils inside the map: lenses r+1 .. nx-2-r. */
+/* Windows with their stencils inside the map: lenses r+1 .. nx-2-r.  Column 0
+ * is 0. */
 static void target_row(const state *s, const plfx_map *row)
 {
+    const shared like = of_row(s->plan, row);
+    const plfx_sums col = s->col;
+    int32_t end = s->plan->nx - 1;
     int32_t w = s->plan->cfg.window;
     int32_t r = w / 2;
-    plfx_products sum = {0, 0, 0, 0, 0};
+    window_sums sum = {0, 0, 0, 0};
     int32_t x;
 
     edge(row, 0, r + 1);
-    for (x = 1; x < s->plan->nx - 1; x++) {
-        add(&sum, &s->col[x], 1);
-        if (x > w) {
-            add(&sum, &s->col[x - w], -1);
-        }
+    for (x = 1; x < end; x++) {
+        int32_t out = x > w ? x - w : 0;
+        sum.num += col.num[x] - col.num[out];
+        sum.xx += col.xx[x] - col.xx[out];
+        sum.yy += col.yy[x] - col.yy[out];
+        sum.xy += col.xy[x] - col.xy[out];
         if (x >= w) {
-            judge(s->plan, row, x - r, &sum);
+            judge(&like, row, x - r, &sum);
         }
     }
-    edge(row, s->plan->nx - 1 - r, s->plan->nx);
+    edge(row, end - r, s->plan->nx);
 }
 
 void plfx_gradient_begin(state *s, int32_t y0)
 {
-    memset(s->col, 0, (size_t)s->plan->nx * sizeof(plfx_products));
+    size_t nx = (size_t)s->plan->nx;
+
+    memset(s->col.num, 0, nx * sizeof(int64_t));
+    memset(s->col.xx, 0, nx * sizeof(int64_t));
+    memset(s->col.yy, 0, nx * sizeof(int64_t));
+    memset(s->col.xy, 0, nx * sizeof(int64_t));
+    memset(s->slants, 0, 4u * (s->plan->cfg.window + 1u) * nx * sizeof(int16_t));
     s->first = y0 - s->plan->cfg.window / 2;
     s->next = s->first;
 }
 
 void plfx_gradient_row(state *s, int32_t y, const plfx_map *row)
 {
-    int32_t w = s->plan->cfg.window;
-
-    for (; s->next <= y + w / 2; s->next++) {
-        columns(s, s->next, 1);
-        if (s->next - w >= s->first) {
-            columns(s, s->next - w, -1);
-        }
+    for (; s->next <= y + s->plan->cfg.window / 2; s->next++) {
+        enter(s, s->next);
     }
     target_row(s, row);
 }
@@ -192,7 +191,7 @@ static plfx_status check(const plfx_plan *plan, const plfx_views *v,
                          const plfx_map *out, const void *ws, size_t ws_size)
 {
     if (!plan || plan->cfg.method != PLFX_METHOD_GRADIENT || !v || !v->px ||
-        v->nx != plan->nx || v->ny != plan->ny || v->n != VIEWS || !out ||
+        v->nx != plan->nx || v->ny != plan->ny || v->n != PLFX_G_VIEWS || !out ||
         !out->slope_q16 || out->w != plan->nx || out->h != plan->ny ||
         out->stride < out->w) {
         return PLFX_E_ARG;

@@ -12,7 +12,7 @@ static int32_t is_gradient(const plfx_plan *plan)
 int32_t plfx_ringed_is(const plfx_plan *plan)
 {
     if (is_gradient(plan)) {
-        return plan->cfg.n == PLFX_GRADIENT_VIEWS;
+        return plan->cfg.n == PLFX_G_VIEWS;
     }
     return plan->cfg.method == PLFX_METHOD_PAIRS && plan->cfg.cost == PLFX_COST_ZNCC;
 }

@@ -159,7 +159,7 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
 /* The same for the gradient. */
 #define PLFX_STREAM_GRADIENT_WS(nx, packed_w, window, open, fast)                      \
     PLFX_ALIGNED(4096u + PLFX_STREAM_TAPS(nx, packed_w, 5u, open, fast) +              \
-                 (nx) * (10u * ((window) + 3u) + 70u))
+                 (nx) * (18u * ((window) + 3u) + 60u))
 
 /* PLFX_OK, PLFX_E_ARG (a field out of range; settings of ARMS that do not stream),
  * PLFX_E_SIZE (ws NULL, not aligned

@@ -79,21 +79,29 @@ def plain(views):
 
 def case(lib, w, h, rounds):
     views, truth = scene(w, h)
-    ours = core.Planned(lib, views, method=core.GRADIENT, window=WINDOW, bits=BITS, labels=3,
-                        lo=-65536, hi=65536, at=[(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)])
+    settings = dict(method=core.GRADIENT, window=WINDOW, bits=BITS, labels=3, lo=-65536,
+                    hi=65536, at=[(0, 0), (-1, 0), (1, 0), (0, -1), (0, 1)])
+    ours = core.Planned(lib, views, **settings)
+    alone = core.Planned(lib, views, **settings)
+    alone.map.conf = None
     rivals = {'same, with confidence': lambda: matched(views, True),
               'same, slope alone': lambda: matched(views, False),
               'central differences': lambda: plain(views)}
-    times = core.least({'ours': ours, **rivals}, rounds)
+    times = core.least({'ours, with confidence': ours, 'ours, slope alone': alone, **rivals},
+                       rounds)
     inner = (slice(8, -8), slice(8, -8))
     found = ours.slopes()[inner]
     apart = np.nanmax(np.abs(found - matched(views, False)[0][inner]))
-    print(f"{w}x{h}: ours {times['ours']:.2f} ms, {1e6 * times['ours'] / (w * h):.1f} ns a lens, "
-          f'median error {np.nanmedian(np.abs(found - truth[inner])):.4f}, '
+    if not np.array_equal(ours.slope, alone.slope):
+        raise RuntimeError('the confidence changes slopes')
+    print(f'{w}x{h}: median error {np.nanmedian(np.abs(found - truth[inner])):.4f}, '
           f'farthest from float32 {apart:.5f}')
+    for name in ('ours, with confidence', 'ours, slope alone'):
+        print(f'  {name:22} {times[name]:7.2f} ms, {1e6 * times[name] / (w * h):.1f} ns a lens')
     for name, run in rivals.items():
+        like = 'ours, ' + ('with confidence' if 'with' in name else 'slope alone')
         error = np.median(np.abs(run()[0] - truth)[inner])
-        print(f'  {name:22} {times[name]:7.2f} ms: {times[name] / times["ours"]:5.2f} x; '
+        print(f'  {name:22} {times[name]:7.2f} ms: {times[name] / times[like]:5.2f} x; '
               f'median error {error:.4f}')
 
 

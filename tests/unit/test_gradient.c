@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "suite.h"
 #include "ref.h"
+#include "gradient_scalar.h"
+#include "rows.h"
 
 #include <math.h>
 
@@ -187,6 +189,136 @@ static void extremes(void **state)
     }
 }
 
+/* Sample of view k at column x of row y, as row j sees it. */
+static int64_t seen(const plfx_plan *p, const plfx_views *v, int k, int x, int y, int j)
+{
+    plfx_ring ring = plfx_ring_of(v);
+    plfx_shift shift = {0, 0, y - j, 0};
+    uint16_t px;
+
+    plfx_sample_row(p, &ring, k, shift, j, x, 1, &px);
+    return px;
+}
+
+/* Weights of the matched pair at a step of -1, 0, 1. */
+static const int64_t even[3] = {59, 138, 59};
+static const int64_t odd[3] = {-109, 0, 109};
+
+/* sum over the 3x3 lenses around (x,y) of along[dx] across[dy]. */
+static int64_t stencil(const plfx_plan *p, const plfx_views *v, int k, int x, int y,
+                       const int64_t *along, const int64_t *across)
+{
+    int64_t sum = 0;
+
+    for (int dy = -1; dy <= 1; dy++) {
+        for (int dx = -1; dx <= 1; dx++) {
+            sum += along[dx + 1] * across[dy + 1] * seen(p, v, k, x + dx, y + dy, y);
+        }
+    }
+    return sum;
+}
+
+static void add_products(const plfx_plan *p, const plfx_views *v, int x, int y,
+                         plfx_products *to)
+{
+    static const int views_u[3] = {1, 0, 2};
+    static const int views_v[3] = {3, 0, 4};
+    int64_t ix = 0;
+    int64_t iy = 0;
+    int64_t iu = 0;
+    int64_t iv = 0;
+
+    for (int a = 0; a < 3; a++) {
+        ix += even[a] * stencil(p, v, views_u[a], x, y, odd, even);
+        iy += even[a] * stencil(p, v, views_v[a], x, y, even, odd);
+        iu += odd[a] * stencil(p, v, views_u[a], x, y, even, even);
+        iv += odd[a] * stencil(p, v, views_v[a], x, y, even, even);
+    }
+    ix = plfx_round_shift_i64(ix, 20);
+    iy = plfx_round_shift_i64(iy, 20);
+    iu = plfx_round_shift_i64(iu, 20);
+    iv = plfx_round_shift_i64(iv, 20);
+    to->xu += ix * iu;
+    to->yv += iy * iv;
+    to->xx += ix * ix;
+    to->yy += iy * iy;
+    to->xy += ix * iy;
+}
+
+/* Every lens whose window has its stencils inside, lens by lens. */
+static void compare(const plfx_plan *p, const plfx_views *v, unsigned seed)
+{
+    int w = p->cfg.window;
+    int r = w / 2;
+
+    for (int y = r + 1; y < p->ny - 1 - r; y++) {
+        for (int x = r + 1; x < p->nx - 1 - r; x++) {
+            plfx_products sum = {0, 0, 0, 0, 0};
+            int32_t want;
+            for (int i = 0; i < w * w; i++) {
+                add_products(p, v, x - r + i % w, y - r + i / w, &sum);
+            }
+            want = plfx_gradient_slope_q16(sum, p->col_q16, p->row_q16, p->du_q8[2]);
+            if (slope[y * p->nx + x] != want) {
+                fail_msg("seed %u (%d,%d): %d, not %d", seed, x, y,
+                         (int)slope[y * p->nx + x], (int)want);
+            }
+            assert_int_equal(conf[y * p->nx + x],
+                             want == PLFX_SLOPE_NONE
+                                 ? 0u
+                                 : plfx_gradient_conf_u16(sum, w * w, p->cfg.bits));
+        }
+    }
+}
+
+/* Related and unrelated views, full contrast, both lattices, any step. */
+static void equals_definition(void **state)
+{
+    (void)state;
+    for (unsigned seed = 1; seed <= 12; seed++) {
+        ref_rng rng = {seed};
+        plfx_plan p = plan_of(seed % 3 == 0 ? 256 : ref_range(&rng, -800, -100));
+        plfx_views v = {samples, 14 + (int)seed % 3, 12, 5};
+        plfx_map m = map();
+        int32_t spread = seed % 4 == 0 ? 4095 : 30;
+
+        p.nx = m.w = m.stride = v.nx;
+        p.ny = m.h = v.ny;
+        p.cfg.window = (uint8_t)(3 + 2 * (seed % 3));
+        p.hex = (int32_t)seed % 2;
+        p.odd_q4 = p.hex ? ref_range(&rng, -9, 9) : 0;
+        p.row_q16 = p.hex ? 75674 : 65536;
+        for (int i = 0; i < v.nx * v.ny * 5; i++) {
+            samples[i] = (uint16_t)ref_range(&rng, 0, spread);
+        }
+        assert_int_equal(plfx_gradient(&p, &v, &m, workspace(), plfx_gradient_ws(&p)),
+                         PLFX_OK);
+        compare(&p, &v, seed);
+    }
+}
+
+/* Slopes are the same where no confidence is asked for. */
+static void confidence_changes_no_slope(void **state)
+{
+    static int32_t alone[NX * NY];
+    plfx_plan p = plan_of(512);
+    plfx_views v = {samples, NX, NY, 5};
+    plfx_map m = map();
+    plfx_map bare = {alone, NULL, NULL, NULL, NX, NY, NX};
+
+    (void)state;
+    render(&p, 0.1, 2, 0);
+    assert_int_equal(plfx_gradient(&p, &v, &m, workspace(), plfx_gradient_ws(&p)),
+                     PLFX_OK);
+    assert_int_equal(plfx_gradient(&p, &v, &bare, workspace(), plfx_gradient_ws(&p)),
+                     PLFX_OK);
+    assert_memory_equal(alone, slope, sizeof alone);
+    p.cfg.unique_u16 = 65535;
+    assert_int_equal(plfx_gradient(&p, &v, &bare, workspace(), plfx_gradient_ws(&p)),
+                     PLFX_OK);
+    assert_int_equal(alone[10 * NX + 10], PLFX_SLOPE_NONE);
+}
+
 static void low_confidence_is_missing(void **state)
 {
     plfx_plan p = plan_of(512);
@@ -230,6 +362,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(opposite_order_negates),
     cmocka_unit_test(flat_is_missing),
     cmocka_unit_test(extremes),
+    cmocka_unit_test(equals_definition),
+    cmocka_unit_test(confidence_changes_no_slope),
     cmocka_unit_test(low_confidence_is_missing),
     cmocka_unit_test(bad_arguments),
 };
