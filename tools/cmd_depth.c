@@ -181,6 +181,7 @@ static int search_views(const request *r, job *j, plfx_cfg *cfg)
     }
     memcpy(cfg->at, views.at, sizeof cfg->at);
     cfg->n = views.n;
+    cfg->cost = views.cost;
     return rc;
 }
 

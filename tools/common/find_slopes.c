@@ -8,7 +8,8 @@
 #include "common/memory.h"
 #include "common/match.h"
 
-#define LABEL_STEP  0.25 /* lenses in the outermost view */
+#define LABEL_STEP  0.25 /* lenses in the outermost view, */
+#define COARSE_STEP 0.5  /* and of a search, which fits between labels */
 #define LABELS_LO   9
 #define LABELS_HI   96
 #define SAMPLES_MIN 12
@@ -18,6 +19,8 @@
 #define EXTENSIONS  3
 #define SIDE_LEAST  192 /* of views of an array, folded for the search */
 #define FOLD_WINDOW 5   /* on folded views: small things count too */
+#define BINS        65536
+#define TILE        16 /* samples on a side */
 #define WEAK                                                                           \
     (PLFX_FLAG_TEXTURE | PLFX_FLAG_EDGE | PLFX_FLAG_RANGE_END | PLFX_FLAG_UNIQUE)
 
@@ -46,88 +49,120 @@ static void keep_ring(plfx_cfg *to, const plfx_cfg *from, int inner)
     }
     to->n = (uint8_t)n;
     to->method = PLFX_METHOD_PAIRS;
-    to->cost = PLFX_COST_ZNCC;
-    to->fit = PLFX_FIT_PARABOLA;
+    to->fit = to->cost == PLFX_COST_SAD ? PLFX_FIT_VEE : PLFX_FIT_PARABOLA;
     to->fuse = PLFX_FUSE_MEDIAN;
     to->unique_u16 = 0;
 }
 
-static int by_slope(const void *a, const void *b)
+static int measured(const plfx_map *map, size_t i)
 {
-    int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-
-    return (x > y) - (x < y);
+    return map->slope_q16[i] != PLFX_SLOPE_NONE && (map->flags[i] & WEAK) == 0;
 }
 
-static int by_conf(const void *a, const void *b)
+/* Value of rank `rank` among the counts of BINS bins. */
+static int of_rank(const uint32_t *count, size_t rank)
 {
-    return (int)*(const uint16_t *)a - (int)*(const uint16_t *)b;
-}
+    size_t seen = count[0];
+    int k = 0;
 
-/* Median confidence of the good samples. */
-static uint16_t middle(const plfx_map *map, size_t n)
-{
-    uint16_t *c = (uint16_t *)plft_alloc(n, sizeof *c);
-    uint16_t mid;
-    size_t i, m = 0;
-
-    if (c == NULL) {
-        return 0;
+    while (seen <= rank && k < BINS - 1) {
+        seen += count[++k];
     }
-    for (i = 0; i < n; i++) {
-        if (map->slope_q16[i] != PLFX_SLOPE_NONE && (map->flags[i] & WEAK) == 0) {
-            c[m++] = map->conf_u16[i];
+    return k;
+}
+
+/* Confidences are compared with those nearby, so that what is less textured than the
+ * rest is in the range too.  In 256ths. */
+typedef struct bar {
+    int across;      /* tiles in a row */
+    uint8_t *least;  /* [tile] median of its good samples, half of the map's at least */
+    uint32_t *count; /* [BINS] to work with */
+} bar;
+
+static int median_in(const plfx_map *map, uint32_t *count, int x0, int y0, int side)
+{
+    int x1 = x0 + side < map->w ? x0 + side : map->w;
+    int y1 = y0 + side < map->h ? y0 + side : map->h;
+    size_t m = 0;
+    int x, y;
+
+    memset(count, 0, 256 * sizeof *count);
+    for (y = y0; y < y1; y++) {
+        for (x = x0; x < x1; x++) {
+            size_t i = (size_t)y * (size_t)map->stride + (size_t)x;
+            count[map->conf_u16[i] >> 8] += (unsigned)measured(map, i);
+            m += (size_t)measured(map, i);
         }
     }
-    qsort(c, m, sizeof *c, by_conf);
-    mid = m > 0 ? c[m / 2] : 0;
-    free(c);
-    return mid;
+    return m > 0 ? of_rank(count, m / 2) : 0;
 }
 
-/* Percentiles `cut` and 1 - cut of the better half of the samples, in slope units.
- * Number of samples. */
-static size_t spread(const plfx_map *map, double cut, double *lo, double *hi)
+static int raise_bar(bar *b, const plfx_map *map)
 {
+    int down = (map->h + TILE - 1) / TILE;
+    int all, k;
+
+    b->across = (map->w + TILE - 1) / TILE;
+    b->least = (uint8_t *)plft_alloc((size_t)(b->across * down), 1);
+    b->count = (uint32_t *)plft_alloc(BINS, sizeof *b->count);
+    if (b->least == NULL || b->count == NULL) {
+        return PLFT_DATA;
+    }
+    all = median_in(map, b->count, 0, 0, map->w > map->h ? map->w : map->h);
+    for (k = 0; k < b->across * down; k++) {
+        int here =
+            median_in(map, b->count, k % b->across * TILE, k / b->across * TILE, TILE);
+        b->least[k] = (uint8_t)(here > all / 2 ? here : all / 2);
+    }
+    return 0;
+}
+
+static int sure(const bar *b, const plfx_map *map, size_t i)
+{
+    int x = (int)(i % (size_t)map->w), y = (int)(i / (size_t)map->w);
+
+    return map->conf_u16[i] >> 8 >= b->least[y / TILE * b->across + x / TILE];
+}
+
+/* Percentiles `cut` and 1 - cut of the sure samples, in slope units, of slopes
+ * between *lo and *hi.  Number of samples. */
+static size_t spread(const plfx_map *map, const bar *b, double cut, double *lo,
+                     double *hi)
+{
+    double bin = (*hi - *lo) / (BINS - 1), first = *lo;
     size_t n = (size_t)map->w * (size_t)map->h, i, m = 0, off;
-    uint16_t mid = middle(map, n);
-    int32_t *s = (int32_t *)plft_alloc(n, sizeof *s);
 
-    if (s == NULL) {
-        return 0;
-    }
+    memset(b->count, 0, BINS * sizeof *b->count);
     for (i = 0; i < n; i++) {
-        if (map->slope_q16[i] != PLFX_SLOPE_NONE && (map->flags[i] & WEAK) == 0 &&
-            map->conf_u16[i] >= mid) {
-            s[m++] = map->slope_q16[i];
+        if (measured(map, i) && sure(b, map, i)) {
+            double k = (map->slope_q16[i] / 65536.0 - first) / bin + 0.5;
+            b->count[k < 0.0 ? 0 : k > BINS - 1 ? BINS - 1 : (int)k]++;
+            m++;
         }
     }
-    qsort(s, m, sizeof *s, by_slope);
     if (m > 0) {
         off = (size_t)(cut * (double)(m - 1));
-        *lo = s[off] / 65536.0;
-        *hi = s[m - 1 - off] / 65536.0;
+        *lo = first + bin * of_rank(b->count, off);
+        *hi = first + bin * of_rank(b->count, m - 1 - off);
     }
-    free(s);
     return m;
 }
 
-static int labels_for(double span, double r)
+static int labels_for(double span, double r, double step)
 {
-    int n = (int)ceil(span * r / LABEL_STEP) + 1;
+    int n = (int)ceil(span * r / step) + 1;
 
     return n < LABELS_LO ? LABELS_LO : n > LABELS_HI ? LABELS_HI : n;
 }
 
-/* Share of the confident samples within a label of `end`. */
-static double crowd(const plfx_map *map, double end, double label)
+/* Share of the sure samples within a label of `end`. */
+static double crowd(const plfx_map *map, const bar *b, double end, double label)
 {
     size_t n = (size_t)map->w * (size_t)map->h, i, m = 0, near = 0;
-    uint16_t least = middle(map, n);
 
     for (i = 0; i < n; i++) {
-        if (map->slope_q16[i] != PLFX_SLOPE_NONE && map->conf_u16[i] >= least &&
-            (map->flags[i] & PLFX_FLAG_TEXTURE) == 0) {
+        if (map->slope_q16[i] != PLFX_SLOPE_NONE &&
+            (map->flags[i] & PLFX_FLAG_TEXTURE) == 0 && sure(b, map, i)) {
             m++;
             near += fabs(map->slope_q16[i] / 65536.0 - end) < label;
         }
@@ -205,7 +240,7 @@ static int coarse_map(const plft_field *field, plfx_cfg *cfg, double lo, double 
     small.nx /= fold;
     small.ny /= fold;
     small.scale *= fold;
-    cfg->labels = (uint16_t)labels_for(hi - lo, baseline(cfg, 1) / fold);
+    cfg->labels = (uint16_t)labels_for(hi - lo, baseline(cfg, 1) / fold, COARSE_STEP);
     cfg->slope_min_q16 = (int32_t)lround(lo / fold * 65536.0);
     cfg->slope_max_q16 = (int32_t)lround(hi / fold * 65536.0);
     cfg->window =
@@ -224,39 +259,49 @@ static int coarse_map(const plft_field *field, plfx_cfg *cfg, double lo, double 
     return rc;
 }
 
-/* One coarse match over lo .. hi: replaces them by what was found there, an end that
- * many samples lie at moved outwards.  *more: an end was. */
+/* Replaces lo .. hi by what a map over them found, an end that many samples lie at
+ * moved outwards.  *more: an end was. */
+static int settle(const plfx_map *map, const bar *b, double label, double cut,
+                  double *lo, double *hi, int *more)
+{
+    double lo0 = *lo, hi0 = *hi, pad;
+
+    if (spread(map, b, cut, lo, hi) < SAMPLES_MIN) {
+        return plft_fail(PLFT_DATA,
+                         "the scene shows too little texture to find its slopes; "
+                         "give --slopes MIN:MAX:N");
+    }
+    pad = fmax(label, 0.1 * (*hi - *lo));
+    *lo -= pad;
+    *hi += pad;
+    if (crowd(map, b, lo0, label) > CROWD) {
+        *lo = lo0 - 0.3 * (hi0 - lo0);
+        *more = 1;
+    }
+    if (crowd(map, b, hi0, label) > CROWD) {
+        *hi = hi0 + 0.3 * (hi0 - lo0);
+        *more = 1;
+    }
+    return 0;
+}
+
+/* One coarse match over lo .. hi, which it replaces. */
 static int narrow(const plft_field *field, plfx_cfg *cfg, double cut, double *lo,
                   double *hi, int *more, plft_times *times)
 {
     plfx_map map = {NULL, NULL, NULL, NULL, 0, 0, 0};
-    double lo0 = *lo, hi0 = *hi, label = 0.0, pad;
-    size_t m = 0;
+    bar b = {0, NULL, NULL};
     int rc = coarse_map(field, cfg, *lo, *hi, &map, times);
+    double t0 = plft_cpu_s();
 
     *more = 0;
+    rc = rc != 0 ? rc : raise_bar(&b, &map);
     if (rc == 0) {
-        label = (hi0 - lo0) / (cfg->labels - 1);
-        m = spread(&map, cut, lo, hi);
+        rc = settle(&map, &b, (*hi - *lo) / (cfg->labels - 1), cut, lo, hi, more);
     }
-    if (rc == 0 && m < SAMPLES_MIN) {
-        rc = plft_fail(PLFT_DATA,
-                       "the scene shows too little texture to find its slopes; "
-                       "give --slopes MIN:MAX:N");
-    }
-    if (rc == 0) {
-        pad = fmax(2.0 * label, 0.1 * (*hi - *lo));
-        *lo -= pad;
-        *hi += pad;
-        if (crowd(&map, lo0, label) > CROWD) {
-            *lo = lo0 - 0.3 * (hi0 - lo0);
-            *more = 1;
-        }
-        if (crowd(&map, hi0, label) > CROWD) {
-            *hi = hi0 + 0.3 * (hi0 - lo0);
-            *more = 1;
-        }
-    }
+    times->match += plft_cpu_s() - t0;
+    free(b.least);
+    free(b.count);
     plft_slopes_free(&map);
     return rc;
 }
@@ -292,6 +337,6 @@ int plft_find_slopes(const plft_field *field, const plfx_cfg *cfg, double *lo,
     }
     *lo = fmax(*lo, -8.0);
     *hi = fmin(*hi, 8.0);
-    *labels = labels_for(*hi - *lo, outer);
+    *labels = labels_for(*hi - *lo, outer, LABEL_STEP);
     return rc;
 }

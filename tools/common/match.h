@@ -37,11 +37,11 @@ int plft_own_window(const plft_field *field);
 /* Lenses that the table flags: LENS set, and no slope where the lens is missing. */
 void plft_flag_lenses(const plft_field *field, const plfx_map *map);
 
-/* Slopes that a light field holds: two coarse matches, percentiles of the confident
- * samples, widened.  Views of a camera array of 384 samples and more on their shorter
- * side are searched at a half of their size, a quarter from 768, and so on.  cfg: bits,
- * window, texture and views as they will be used; lo, hi and labels come back, in the
- * light field's unit.  0 or PLFT_DATA. */
+/* Slopes that a light field holds: two coarse matches, percentiles of the samples that
+ * are confident among their neighbours, widened.  Views of a camera array of 384
+ * samples and more on their shorter side are searched at a half of their size, a
+ * quarter from 768, and so on.  cfg: bits, cost, window, texture and views as they will
+ * be used; lo, hi and labels come back, in the light field's unit.  0 or PLFT_DATA. */
 int plft_find_slopes(const plft_field *field, const plfx_cfg *cfg, double *lo,
                      double *hi, int *labels, plft_times *times);
 
