@@ -194,52 +194,60 @@ void plfx_k_update(const plfx_update_block *b)
     }
 }
 
-static void slide_exact(int16_t *restrict sum, const uint16_t *restrict enter,
-                        const uint16_t *restrict leave, int32_t labels, plfx_lead *lead)
+/* m: factors of the scale, NULL where sums are exact. */
+static inline void slide_label(int16_t *restrict sum, const uint16_t *restrict enter,
+                               const uint16_t *restrict leave,
+                               const uint16_t *restrict m, plfx_lead *lead,
+                               int16_t *restrict low, int32_t l)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        int16_t s = (int16_t)(m ? sum[i] + plfx_scaled(enter[i], m[i]) -
+                                      plfx_scaled(leave[i], m[i])
+                                : sum[i] + enter[i] - leave[i]);
+        sum[i] = s;
+        plfx_lead_meet(lead, low, i, s, l);
+    }
+}
+
+/* Two labels a turn. */
+static inline void slide(int16_t *restrict sum, const uint16_t *restrict enter,
+                         const uint16_t *restrict leave, int32_t labels,
+                         const uint16_t *restrict m, plfx_lead *lead)
 {
     int16_t low[PLFX_LANES];
     int32_t l;
-    int32_t i;
 
     plfx_lead_start(lead, low);
-    for (l = 0; l < labels; l++) {
-        LANES(i)
-        {
-            int16_t s = (int16_t)(sum[i] + enter[i] - leave[i]);
-            sum[i] = s;
-            plfx_lead_meet(lead, low, i, s, l);
-        }
-        sum += PLFX_LANES;
-        enter += PLFX_LANES;
-        leave += PLFX_LANES;
+    for (l = 0; l + 1 < labels; l += 2) {
+        slide_label(sum, enter, leave, m, lead, low, l);
+        slide_label(sum + PLFX_LANES, enter + PLFX_LANES, leave + PLFX_LANES, m, lead,
+                    low, l + 1);
+        sum += 2 * PLFX_LANES;
+        enter += 2 * PLFX_LANES;
+        leave += 2 * PLFX_LANES;
+    }
+    if (l < labels) {
+        slide_label(sum, enter, leave, m, lead, low, l);
     }
     plfx_lead_end(lead, low);
 }
 
-static void slide_scaled(int16_t *restrict sum, const uint16_t *restrict enter,
-                         const uint16_t *restrict leave, int32_t labels, int32_t s2,
-                         plfx_lead *lead)
+static void slide_exact(int16_t *sum, const uint16_t *enter, const uint16_t *leave,
+                        int32_t labels, plfx_lead *lead)
+{
+    slide(sum, enter, leave, labels, NULL, lead);
+}
+
+static void slide_scaled(int16_t *sum, const uint16_t *enter, const uint16_t *leave,
+                         int32_t labels, int32_t s2, plfx_lead *lead)
 {
     uint16_t m[PLFX_LANES];
-    int16_t low[PLFX_LANES];
-    int32_t l;
-    int32_t i;
 
     plfx_factor_of(m, s2);
-    plfx_lead_start(lead, low);
-    for (l = 0; l < labels; l++) {
-        LANES(i)
-        {
-            int16_t s = (int16_t)(sum[i] + plfx_scaled(enter[i], m[i]) -
-                                  plfx_scaled(leave[i], m[i]));
-            sum[i] = s;
-            plfx_lead_meet(lead, low, i, s, l);
-        }
-        sum += PLFX_LANES;
-        enter += PLFX_LANES;
-        leave += PLFX_LANES;
-    }
-    plfx_lead_end(lead, low);
+    slide(sum, enter, leave, labels, m, lead);
 }
 
 void plfx_k_slide(int16_t *sum, const uint16_t *enter, const uint16_t *leave,

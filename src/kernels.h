@@ -106,18 +106,36 @@ typedef struct plfx_lead {
 #endif
 } plfx_lead;
 
-/* One block of a pair at whole-sample shifts, label l at right + l*step:
+/* Winners of one block.  order[q] = n - q for n = labels*PLFX_LANES cells.  sum has
+ * one readable label before and behind. */
+typedef struct plfx_winners {
+    int16_t *code;  /* 32*label + fraction + 8, fraction -8 .. 8 sixteenths; the sign
+                            bit is set when a label that is no neighbour is as good */
+    uint16_t *conf; /* margin over the second best, select.c; NULL: not wanted */
+    uint16_t floor_cost;  /* of the margin, under 2^14 */
+    int16_t *best, *rest; /* the two sums instead of conf; NULL: not wanted */
+} plfx_winners;
+void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
+                   int32_t labels, int32_t fit, const plfx_winners *out);
+
+/* A row of a pair at whole-sample shifts, block by block, label l at right + l*step:
  *   col += (|l0 - right| - |l1 - gone|) >> s1 each;  sum += (col >> s2) - (leave >> s2)
- * with l1, gone (step gone_step) the row that leaves the window. */
-typedef struct plfx_pair_block {
-    uint16_t *col;
+ * with l1, gone (step gone_step) the row that leaves the window and `leave` the column
+ * `window` blocks before, zero ahead of the row.  Winners of block b go to block
+ * b - window + 1 of out; out NULL: not wanted. */
+typedef struct plfx_whole_row {
+    uint16_t *col; /* [blocks][labels][lanes] */
     int16_t *sum;
-    const uint16_t *leave;
+    const uint16_t *zero; /* [labels][lanes] */
     const int16_t *left, *right, *left_gone, *right_gone;
-    int32_t step, gone_step, labels, s1, s2;
+    int32_t step, gone_step;
+    int32_t gone_next; /* samples to the next block of the leaving row, or 0 */
+    int32_t blocks, window, labels, s1, s2, fit;
+    const int16_t *order;
     plfx_lead *lead;
-} plfx_pair_block;
-void plfx_k_pair(const plfx_pair_block *b);
+    const plfx_winners *out;
+} plfx_whole_row;
+void plfx_k_whole(const plfx_whole_row *r);
 
 /* col += item - gone;  sum += (col >> s2) - (leave >> s2), labels*PLFX_LANES cells. */
 typedef struct plfx_update_block {
@@ -132,18 +150,6 @@ void plfx_k_update(const plfx_update_block *b);
 /* sum += (enter >> s2) - (leave >> s2); enter need not be aligned. */
 void plfx_k_slide(int16_t *sum, const uint16_t *enter, const uint16_t *leave,
                   int32_t labels, int32_t s2, plfx_lead *lead);
-
-/* Winners of one block.  order[q] = n - q for n = labels*PLFX_LANES cells.  sum has
- * one readable label before and behind. */
-typedef struct plfx_winners {
-    int16_t *code;  /* 32*label + fraction + 8, fraction -8 .. 8 sixteenths; the sign
-                            bit is set when a label that is no neighbour is as good */
-    uint16_t *conf; /* margin over the second best, select.c; NULL: not wanted */
-    uint16_t floor_cost;  /* of the margin, under 2^14 */
-    int16_t *best, *rest; /* the two sums instead of conf; NULL: not wanted */
-} plfx_winners;
-void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
-                   int32_t labels, int32_t fit, const plfx_winners *out);
 
 /* out[lane*blocks + b] = in[b*PLFX_LANES + lane] for indices under n. */
 void plfx_k_unstripe(const int16_t *in, int32_t blocks, int32_t n, int16_t *out);

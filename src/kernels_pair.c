@@ -125,192 +125,6 @@ void plfx_k_unstripe(const int16_t *restrict in, int32_t blocks, int32_t n,
     }
 }
 
-#if PLFX_LANES == 1
-static inline int32_t magnitude(int32_t v)
-{
-    int32_t sign = -(int32_t)(v < 0);
-
-    return (v ^ sign) - sign;
-}
-
-/* A label as good as the least so far, or better; its cost less the least is `rise`. */
-static inline void note(const plfx_pair_block *b, int32_t l, int32_t rise)
-{
-    plfx_lead *lead = b->lead;
-
-    if (rise == 0) {
-        lead->tie = (int16_t)(lead->tie | -(l > lead->label + 1));
-    } else {
-        lead->label = (int16_t)l;
-        lead->tie = 0;
-    }
-}
-
-/* One lane: differences, sums and the winner in one loop, in whole registers.  Columns
- * and biased sums are exact in 16 bits, so that nothing is cut; what is seldom wanted
- * stays in memory. */
-static inline void walk(const plfx_pair_block *b, int32_t s1, int32_t s2)
-{
-    const int16_t *restrict right = b->right;
-    const int16_t *restrict gone = b->right_gone;
-    uint16_t *restrict col = b->col;
-    int16_t *restrict sum = b->sum;
-    const uint16_t *restrict leave = b->leave;
-    const uint16_t *end = col + b->labels;
-    int32_t step = b->step;
-    int32_t gone_step = b->gone_step;
-    int32_t here = b->left[0];
-    int32_t there = b->left_gone[0];
-    int32_t least = INT16_MAX;
-
-    b->lead->label = 0;
-    b->lead->tie = 0;
-    for (; col < end; col++) { /* labels */
-        int32_t c = *col + (magnitude(here - *right) >> s1);
-        int32_t s = *sum;
-        c -= magnitude(there - *gone) >> s1;
-        s += (c >> s2) - (*leave >> s2);
-        *col = (uint16_t)c;
-        *sum = (int16_t)s;
-        right += step;
-        gone += gone_step;
-        if (s <= least) { /* a few times among the labels of a lens */
-            note(b, (int32_t)(col - b->col), s - least);
-            least = s;
-        }
-        sum++;
-        leave++;
-    }
-    b->lead->least[0] = (int16_t)least;
-}
-
-void plfx_k_pair(const plfx_pair_block *b)
-{
-    if (b->s1 == 0) {
-        walk(b, 0, b->s2);
-    } else {
-        walk(b, b->s1, b->s2);
-    }
-}
-#else
-/* m: factors of the scale of sums; NULL where they are exact.  Inlined for each. */
-static inline void label_of(const plfx_pair_block *b, uint16_t *restrict col,
-                            int16_t *restrict sum, const uint16_t *restrict leave,
-                            const int16_t *restrict right, const int16_t *restrict gone,
-                            const int16_t *restrict here, const int16_t *restrict there,
-                            const uint16_t *restrict m, int16_t *restrict low,
-                            int32_t l)
-{
-    int32_t i;
-
-    LANES(i)
-    {
-        uint16_t c = (uint16_t)(col[i] + plfx_apart(here[i], right[i]) -
-                                plfx_apart(there[i], gone[i]));
-        int16_t s =
-            (int16_t)(m ? sum[i] + plfx_scaled(c, m[i]) - plfx_scaled(leave[i], m[i])
-                        : sum[i] + c - leave[i]);
-        col[i] = c;
-        sum[i] = s;
-        plfx_lead_meet(b->lead, low, i, s, l);
-    }
-}
-
-static inline void pair_fine(const plfx_pair_block *b, const uint16_t *restrict m)
-{
-    uint16_t *restrict col = b->col;
-    int16_t *restrict sum = b->sum;
-    const uint16_t *restrict leave = b->leave;
-    const int16_t *restrict right = b->right;
-    const int16_t *restrict gone = b->right_gone;
-    int16_t here[PLFX_LANES];
-    int16_t there[PLFX_LANES];
-    int16_t low[PLFX_LANES];
-    int32_t l;
-
-    memcpy(here, b->left, sizeof here);
-    memcpy(there, b->left_gone, sizeof there);
-    plfx_lead_start(b->lead, low);
-    for (l = 0; l + 1 < b->labels; l += 2) {
-        label_of(b, col, sum, leave, right, gone, here, there, m, low, l);
-        label_of(b, col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
-                 right + b->step, gone + b->gone_step, here, there, m, low, l + 1);
-        col += 2 * PLFX_LANES;
-        sum += 2 * PLFX_LANES;
-        leave += 2 * PLFX_LANES;
-        right += 2 * b->step;
-        gone += 2 * b->gone_step;
-    }
-    if (l < b->labels) {
-        label_of(b, col, sum, leave, right, gone, here, there, m, low, l);
-    }
-    plfx_lead_end(b->lead, low);
-}
-
-static void pair_exact(const plfx_pair_block *b)
-{
-    pair_fine(b, NULL);
-}
-
-static void pair_scaled(const plfx_pair_block *b)
-{
-    uint16_t m[PLFX_LANES];
-
-    plfx_factor_of(m, b->s2);
-    pair_fine(b, m);
-}
-
-/* Windows so large that single differences are scaled too: 12 bits, 17 lenses and
- * more. */
-static void pair_coarse(const plfx_pair_block *b, uint16_t *restrict col,
-                        int16_t *restrict sum, const uint16_t *restrict leave)
-{
-    const int16_t *restrict right = b->right;
-    const int16_t *restrict gone = b->right_gone;
-    const int16_t *restrict here = b->left;
-    const int16_t *restrict there = b->left_gone;
-    uint16_t k[PLFX_LANES];
-    uint16_t m[PLFX_LANES];
-    int16_t low[PLFX_LANES];
-    int32_t l;
-    int32_t i;
-
-    plfx_factor_of(k, b->s1);
-    plfx_factor_of(m, b->s2);
-    plfx_lead_start(b->lead, low);
-    for (l = 0; l < b->labels; l++) {
-        LANES(i)
-        {
-            uint16_t in = plfx_scaled((uint16_t)plfx_apart(here[i], right[i]), k[i]);
-            uint16_t out = plfx_scaled((uint16_t)plfx_apart(there[i], gone[i]), k[i]);
-            uint16_t c = (uint16_t)(col[i] + in - out);
-            int16_t s =
-                (int16_t)(sum[i] + plfx_scaled(c, m[i]) - plfx_scaled(leave[i], m[i]));
-            col[i] = c;
-            sum[i] = s;
-            plfx_lead_meet(b->lead, low, i, s, l);
-        }
-        col += PLFX_LANES;
-        sum += PLFX_LANES;
-        leave += PLFX_LANES;
-        right += b->step;
-        gone += b->gone_step;
-    }
-    plfx_lead_end(b->lead, low);
-}
-
-void plfx_k_pair(const plfx_pair_block *b)
-{
-    if (b->s2 == 0) { /* then s1 is 0 as well */
-        pair_exact(b);
-    } else if (b->s1 == 0) {
-        pair_scaled(b);
-    } else {
-        pair_coarse(b, b->col, b->sum, b->leave);
-    }
-}
-#endif
-
 /* Where the least sum of each lane stands: the first of its cells, counted in order
  * from the last, and how many there are. */
 #if PLFX_LANES > 1
@@ -477,18 +291,213 @@ static void by_race(const int16_t *restrict sum, const int16_t *restrict order,
     look_beside(sum, w);
 }
 
+/* Winners of a block before their fit. */
+static inline void find_winners(const int16_t *sum, const plfx_lead *lead,
+                                const int16_t *order, int32_t labels,
+                                const plfx_winners *out, plfx_won *restrict w)
+{
+    if (out->conf || out->best) {
+        by_race(sum, order, labels, out, w);
+    } else {
+        by_lead(sum, lead, order, labels, w);
+    }
+}
+
 void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
                    int32_t labels, int32_t fit, const plfx_winners *out)
 {
     plfx_won w;
 
-    if (out->conf || out->best) {
-        by_race(sum, order, labels, out, &w);
-    } else {
-        by_lead(sum, lead, order, labels, &w);
-    }
+    find_winners(sum, lead, order, labels, out, &w);
     plfx_won_fit(&w, labels, fit, out->code);
 }
+
+#if PLFX_LANES == 1
+static inline int32_t magnitude(int32_t v)
+{
+    int32_t sign = -(int32_t)(v < 0);
+
+    return (v ^ sign) - sign;
+}
+
+/* One lane: differences, sums and the winner in one loop, in whole registers.  Columns
+ * and biased sums are exact in 16 bits, so that nothing is cut.  Steps and shifts that
+ * are constants cost no register and no instruction. */
+static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32_t step,
+                            int32_t gone_step, int32_t s1, int32_t s2)
+{
+    const int16_t *restrict right = w->right;
+    const int16_t *restrict gone = w->right_gone;
+    uint16_t *restrict col = w->col;
+    int16_t *restrict sum = r->sum;
+    const uint16_t *restrict leave = w->leave;
+    const int16_t *end = sum + r->labels;
+    const int16_t *won = sum;
+    int32_t here = w->left[0];
+    int32_t there = w->left_gone[0];
+    int32_t least = INT16_MAX;
+    int32_t tie = 0;
+
+    do { /* labels: at most PLFX_LABELS_MAX, one at least */
+        int32_t c = *col + (magnitude(here - *right) >> s1);
+        int32_t s = *sum;
+        c -= magnitude(there - *gone) >> s1;
+        s += (c >> s2) - (*leave >> s2);
+        *col = (uint16_t)c;
+        *sum = (int16_t)s;
+        right += step;
+        gone += gone_step;
+        col++;
+        sum++;
+        leave++;
+        if (s < least) { /* a few times among the labels of a lens */
+            least = s;
+            won = sum;
+            tie = 0;
+        } else if (s == least) {
+            tie |= sum > won + 1;
+        }
+    } while (sum < end);
+    r->lead->least[0] = (int16_t)least;
+    r->lead->label = (int16_t)(won - r->sum - 1);
+    r->lead->tie = (int16_t)-tie;
+}
+
+/* Labels a column apart and sums exact or cut by 3 bits (12 bits, windows of 9) are the
+ * usual case. */
+void plfx_k_lane(const plfx_whole_row *r, const plfx_walker *w)
+{
+    int32_t fine = r->s1 == 0 && r->gone_step == r->step ? r->s2 : -1;
+
+    if (fine == 0 && r->step == 1) {
+        block_of(r, w, 1, 1, 0, 0);
+    } else if (fine == 0 && r->step == -1) {
+        block_of(r, w, -1, -1, 0, 0);
+    } else if (fine == 3 && r->step == 1) {
+        block_of(r, w, 1, 1, 0, 3);
+    } else if (fine == 3 && r->step == -1) {
+        block_of(r, w, -1, -1, 0, 3);
+    } else {
+        block_of(r, w, r->step, r->gone_step, r->s1, r->s2);
+    }
+}
+
+void plfx_k_whole(const plfx_whole_row *r)
+{
+    plfx_walk_row(r);
+}
+
+#else
+/* How finely sums are kept: scaled by s2, and single differences by s1 as well, for
+ * windows of 17 lenses and more at 12 bits. */
+enum { EXACT, SCALED, COARSE };
+
+/* Factors of s1 and s2. */
+typedef struct fine {
+    uint16_t k[PLFX_LANES], m[PLFX_LANES];
+} fine;
+
+static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
+                            const uint16_t *restrict leave,
+                            const int16_t *restrict right, const int16_t *restrict gone,
+                            const int16_t *restrict here, const int16_t *restrict there,
+                            int16_t *restrict low, int32_t kind, const fine *f)
+{
+    int32_t i;
+
+    LANES(i)
+    {
+        uint16_t in = (uint16_t)plfx_apart(here[i], right[i]);
+        uint16_t out = (uint16_t)plfx_apart(there[i], gone[i]);
+        uint16_t c;
+        uint16_t t;
+        int16_t s;
+        if (kind == COARSE) {
+            in = plfx_scaled(in, f->k[i]);
+            out = plfx_scaled(out, f->k[i]);
+        }
+        c = (uint16_t)(col[i] + in - out);
+        t = leave[i];
+        s = (int16_t)(kind == EXACT
+                          ? sum[i] + c - t
+                          : sum[i] + plfx_scaled(c, f->m[i]) - plfx_scaled(t, f->m[i]));
+        col[i] = c;
+        sum[i] = s;
+        low[i] = s < low[i] ? s : low[i];
+    }
+}
+
+/* All labels of a block, two a turn. */
+static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32_t kind,
+                            const fine *f)
+{
+    uint16_t *restrict col = w->col;
+    int16_t *restrict sum = r->sum;
+    const uint16_t *restrict leave = w->leave;
+    const int16_t *restrict right = w->right;
+    const int16_t *restrict gone = w->right_gone;
+    int16_t here[PLFX_LANES];
+    int16_t there[PLFX_LANES];
+    int16_t low[PLFX_LANES];
+    int32_t l;
+
+    memcpy(here, w->left, sizeof here);
+    memcpy(there, w->left_gone, sizeof there);
+    plfx_lead_start(r->lead, low);
+    for (l = 0; l + 1 < r->labels; l += 2) {
+        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
+        label_of(col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
+                 right + r->step, gone + r->gone_step, here, there, low, kind, f);
+        col += 2 * PLFX_LANES;
+        sum += 2 * PLFX_LANES;
+        leave += 2 * PLFX_LANES;
+        right += 2 * r->step;
+        gone += 2 * r->gone_step;
+    }
+    if (l < r->labels) {
+        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
+    }
+    plfx_lead_end(r->lead, low);
+}
+
+/* Winners are fitted a block later: vectors of cells just written one by one would have
+ * to wait for them. */
+static inline void row(const plfx_whole_row *r, int32_t kind)
+{
+    plfx_walker w = plfx_walk_start(r);
+    plfx_won won[2];
+    fine f;
+    int32_t b;
+
+    plfx_factor_of(f.k, r->s1);
+    plfx_factor_of(f.m, r->s2);
+    for (b = 0; b < r->blocks; b++) {
+        block_of(r, &w, kind, &f);
+        if (r->out && b >= r->window - 1) {
+            plfx_winners out = plfx_out_of(r, b);
+            find_winners(r->sum, r->lead, r->order, r->labels, &out, won + (b & 1));
+            if (b >= r->window) {
+                plfx_won_fit(won + (~b & 1), r->labels, r->fit, out.code - PLFX_LANES);
+            }
+        }
+        plfx_walk_on(r, &w, b);
+    }
+    if (r->out) {
+        plfx_won_fit(won + (~b & 1), r->labels, r->fit, plfx_out_of(r, b - 1).code);
+    }
+}
+
+void plfx_k_whole(const plfx_whole_row *r)
+{
+    if (r->s2 == 0) { /* then s1 is 0 as well */
+        row(r, EXACT);
+    } else if (r->s1 == 0) {
+        row(r, SCALED);
+    } else {
+        row(r, COARSE);
+    }
+}
+#endif
 
 #else
 typedef int plfx_pair_elsewhere; /* a file is never empty */

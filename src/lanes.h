@@ -6,6 +6,7 @@
 #include "kernels.h"
 #include "scalar.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #define LANES(i) PLFX_LANE_LOOP(i, PLFX_LANES)
@@ -157,6 +158,71 @@ static inline uint16_t plfx_lane_margin(uint16_t best, uint16_t second,
     return (uint16_t)(q << 8);
 }
 
+#endif
+
+/* A block on its way along a row of a pair. */
+typedef struct plfx_walker {
+    uint16_t *col;
+    const uint16_t *leave;
+    const int16_t *left, *right, *left_gone, *right_gone;
+} plfx_walker;
+
+static inline plfx_walker plfx_walk_start(const plfx_whole_row *r)
+{
+    plfx_walker w = {r->col, r->zero, r->left, r->right, r->left_gone, r->right_gone};
+
+    return w;
+}
+
+/* From block b to the next. */
+static inline void plfx_walk_on(const plfx_whole_row *r, plfx_walker *w, int32_t b)
+{
+    ptrdiff_t cells = (ptrdiff_t)r->labels * PLFX_LANES;
+
+    w->col += cells;
+    if (b + 1 >= r->window) {
+        w->leave = w->col - cells * r->window;
+    }
+    w->left += PLFX_LANES;
+    w->right += PLFX_LANES;
+    w->left_gone += r->gone_next;
+    w->right_gone += r->gone_next;
+}
+
+/* Where winners of block b go, b from window - 1 on. */
+static inline plfx_winners plfx_out_of(const plfx_whole_row *r, int32_t b)
+{
+    ptrdiff_t at = (ptrdiff_t)(b + 1 - r->window) * PLFX_LANES;
+    plfx_winners out = *r->out;
+
+    out.code += at;
+    out.conf = out.conf ? out.conf + at : NULL;
+    return out;
+}
+
+#if PLFX_LANES <= 2
+/* All labels of one block, in a function of its own so that registers suffice. */
+void plfx_k_lane(const plfx_whole_row *r, const plfx_walker *w);
+
+static inline void plfx_walk_row(const plfx_whole_row *r)
+{
+    plfx_walker w = plfx_walk_start(r);
+    plfx_winners out = {NULL, NULL, 0, NULL, NULL};
+    int32_t b;
+
+    if (r->out) {
+        out = *r->out;
+    }
+    for (b = 0; b < r->blocks; b++) {
+        plfx_k_lane(r, &w);
+        if (out.code && b >= r->window - 1) {
+            plfx_k_select(r->sum, r->lead, r->order, r->labels, r->fit, &out);
+            out.code += PLFX_LANES;
+            out.conf += out.conf ? PLFX_LANES : 0;
+        }
+        plfx_walk_on(r, &w, b);
+    }
+}
 #endif
 
 /* A winner of each lane: cell, least sum and those beside it. */

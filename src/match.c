@@ -417,54 +417,60 @@ typedef struct pass {
     int32_t conf; /* 1: confidence wanted */
 } pass;
 
-static void winners(const plfx_match *m, const pass *s, int32_t b)
+/* Where the winners of output block `at` go. */
+static plfx_winners winners_at(const plfx_match *m, const pass *s, int32_t at)
 {
-    int32_t at = (b - m->plan->cfg.window + 1) * PLFX_LANES;
     plfx_winners out;
 
-    if (at < 0) {
-        return;
-    }
-    out.code = m->code + at;
-    out.conf = s->conf ? m->conf + at : NULL;
+    out.code = m->code + at * PLFX_LANES;
+    out.conf = s->conf ? m->conf + at * PLFX_LANES : NULL;
     out.floor_cost = m->floor_cost;
     out.best = NULL;
     out.rest = NULL;
-    plfx_k_select(m->sum, lead_of(m), m->order, m->labels, m->plan->cfg.fit, &out);
+    return out;
+}
+
+static void winners(const plfx_match *m, const pass *s, int32_t b)
+{
+    int32_t at = b - m->plan->cfg.window + 1;
+
+    if (at >= 0) {
+        plfx_winners out = winners_at(m, s, at);
+        plfx_k_select(m->sum, lead_of(m), m->order, m->labels, m->plan->cfg.fit, &out);
+    }
 }
 
 static void run_whole(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
 {
     int32_t to = m->tap[0][0][p * m->labels].off;
-    int32_t ahead = m->plan->cfg.window * m->cells;
-    int32_t gone = s->leaves ? PLFX_LANES : 0;
-    plfx_pair_block k;
-    int32_t b;
+    int32_t near = m->step[p] == PLFX_LANES || m->step[p] == -PLFX_LANES;
+    const int16_t *none = (const int16_t *)m->zero;
+    plfx_winners out = winners_at(m, s, 0);
+    plfx_whole_row k;
 
     k.col = cols;
     k.sum = m->sum;
-    k.lead = lead_of(m);
+    k.zero = m->zero;
     k.left = s->in.ref;
     k.right = s->in.base + to;
-    k.left_gone = s->leaves ? s->out.ref : (const int16_t *)m->zero;
-    k.right_gone = s->leaves ? s->out.base + to : (const int16_t *)m->zero;
+    k.left_gone = s->leaves ? s->out.ref : none;
+    k.right_gone = s->leaves ? s->out.base + to : none;
     k.step = m->step[p];
-    k.gone_step = s->leaves ? m->step[p] : 0;
+    k.gone_step = s->leaves || near ? m->step[p] : 0;
+    if (!s->leaves && k.gone_step < 0) { /* zeros by the same steps where they reach */
+        k.right_gone += m->cells - PLFX_LANES;
+    }
+    k.gone_next = s->leaves ? PLFX_LANES : 0;
+    k.blocks = m->blocks;
+    k.window = m->plan->cfg.window;
     k.labels = m->labels;
     k.s1 = m->plan->sad_shift1;
     k.s2 = m->plan->sad_shift2;
-    for (b = 0; b < m->blocks; b++) {
-        k.leave = b < m->plan->cfg.window ? m->zero : k.col - ahead;
-        plfx_k_pair(&k);
-        if (s->emit) {
-            winners(m, s, b);
-        }
-        k.col += m->cells;
-        k.left += PLFX_LANES;
-        k.right += PLFX_LANES;
-        k.left_gone += gone;
-        k.right_gone += gone;
-    }
+    k.fit = m->plan->cfg.fit;
+    k.order = m->order;
+    k.lead = lead_of(m);
+    k.out = s->emit ? &out : NULL;
+    plfx_k_whole(&k);
 }
 
 static void run_general(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)

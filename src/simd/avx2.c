@@ -10,6 +10,23 @@
 
 typedef __m256i lanes16;
 
+/* Once into each variant of a row, so that its constants stay where they are. */
+#define ALWAYS static inline __attribute__((always_inline))
+
+/* A value that the compiler must take as it finds it. */
+#define HOLD(v) __asm__("" : "+r"(v))
+
+/* Constants in memory: operands, where each made anew takes three instructions. */
+#define SIXTEEN(n)                                                                     \
+    {                                                                                  \
+        n, n, n, n, n, n, n, n, n, n, n, n, n, n, n, n                                 \
+    }
+static const int16_t constants[][16] = {SIXTEEN(1),      SIXTEEN(8),
+                                        SIXTEEN(15),     SIXTEEN(16),
+                                        SIXTEEN(-16384), SIXTEEN(INT16_MIN)};
+enum { ONE, EIGHT, FIFTEEN, LABEL, HIGH, MARK };
+#define CONSTANT(k, name) LOAD((k) + 16 * (name))
+
 #define LOAD(p)     _mm256_loadu_si256((const __m256i *)(const void *)(p))
 #define STORE(p, v) _mm256_storeu_si256((__m256i *)(void *)(p), v)
 #define ADD(a, b)   _mm256_add_epi16(a, b)
@@ -122,165 +139,81 @@ void plfx_k_unstripe(const int16_t *restrict in, int32_t blocks, int32_t n,
     }
 }
 
-static inline lanes16 apart(lanes16 a, const int16_t *b)
+ALWAYS lanes16 apart(lanes16 a, const int16_t *b)
 {
     return _mm256_abs_epi16(SUB(a, LOAD(b))); /* samples: 12 bits, no overflow */
 }
 
-/* One label: differences `in` enter and `out` leave; the new sum. */
-static inline lanes16 label_exact(uint16_t *col, int16_t *sum, const uint16_t *leave,
-                                  lanes16 in, lanes16 out)
+/* 16-bit cells at eight offsets by loads of 32 bits, of which one half counts: none of
+ * them leaves the sums and their two spare labels. */
+#define GATHER(base, at)                                                               \
+    _mm256_i32gather_epi32((const int *)(const void *)(base), at, 2)
+
+/* Least sums of a block, where they stand (cells), and those beside them. */
+typedef struct trio {
+    lanes16 at, best, next, before;
+} trio;
+
+ALWAYS trio look_beside(const int16_t *sum, lanes16 best, lanes16 at)
 {
-    lanes16 c = ADD(SUB(in, out), LOAD(col));
-    lanes16 s = ADD(SUB(c, LOAD(leave)), LOAD(sum));
+    lanes16 zero = _mm256_setzero_si256();
+    lanes16 lo = _mm256_unpacklo_epi16(at, zero); /* at < 2^15 */
+    lanes16 hi = _mm256_unpackhi_epi16(at, zero);
+    trio t;
 
-    STORE(col, c);
-    STORE(sum, s);
-    return s;
-}
-
-static inline lanes16 label_scaled(uint16_t *col, int16_t *sum, const uint16_t *leave,
-                                   lanes16 in, lanes16 out, __m128i s2)
-{
-    lanes16 c = ADD(SUB(in, out), LOAD(col));
-    lanes16 s =
-        ADD(SUB(_mm256_srl_epi16(c, s2), _mm256_srl_epi16(LOAD(leave), s2)), LOAD(sum));
-
-    STORE(col, c);
-    STORE(sum, s);
-    return s;
-}
-
-static inline lanes16 label_coarse(uint16_t *col, int16_t *sum, const uint16_t *leave,
-                                   lanes16 in, lanes16 out, __m128i s2, __m128i s1)
-{
-    lanes16 c =
-        ADD(SUB(_mm256_srl_epi16(in, s1), _mm256_srl_epi16(out, s1)), LOAD(col));
-    lanes16 s =
-        ADD(SUB(_mm256_srl_epi16(c, s2), _mm256_srl_epi16(LOAD(leave), s2)), LOAD(sum));
-
-    STORE(col, c);
-    STORE(sum, s);
-    return s;
-}
-
-/* The same walk along the labels for each of the three, two labels a turn. */
-#define WALK(ONE)                                                                      \
-    const ptrdiff_t step = b->step; /* copies: stores cannot change them */            \
-    const ptrdiff_t gone_step = b->gone_step;                                          \
-    const int16_t *right = b->right;                                                   \
-    const int16_t *gone = b->right_gone;                                               \
-    const uint16_t *leave = b->leave;                                                  \
-    uint16_t *col = b->col;                                                            \
-    int16_t *sum = b->sum;                                                             \
-    const lanes16 here = LOAD(b->left);                                                \
-    const lanes16 there = LOAD(b->left_gone);                                          \
-    lanes16 low = ALL(INT16_MAX);                                                      \
-    const ptrdiff_t n = (ptrdiff_t)b->labels * 16;                                     \
-    ptrdiff_t at;                                                                      \
-    for (at = 0; at + 16 < n; at += 32) {                                              \
-        lanes16 s = ONE(at, right, gone);                                              \
-        lanes16 t = ONE(at + 16, right + step, gone + gone_step);                      \
-        low = MIN(low, MIN(s, t));                                                     \
-        right += 2 * step;                                                             \
-        gone += 2 * gone_step;                                                         \
-    }                                                                                  \
-    if (at < n) {                                                                      \
-        low = MIN(low, ONE(at, right, gone));                                          \
-    }                                                                                  \
-    STORE(b->lead->least, low)
-#define AT(at)     col + (at), sum + (at), leave + (at)
-#define BOTH(r, g) apart(here, r), apart(there, g)
-
-static void pair_exact(const plfx_pair_block *b)
-{
-#define EXACT(at, r, g) label_exact(AT(at), BOTH(r, g))
-    WALK(EXACT);
-}
-
-static void pair_scaled(const plfx_pair_block *b)
-{
-#define SCALED(at, r, g) label_scaled(AT(at), BOTH(r, g), s2)
-    const __m128i s2 = _mm_cvtsi32_si128(b->s2);
-    WALK(SCALED);
-}
-
-static void pair_coarse(const plfx_pair_block *b)
-{
-#define COARSE(at, r, g) label_coarse(AT(at), BOTH(r, g), s2, s1)
-    const __m128i s2 = _mm_cvtsi32_si128(b->s2);
-    const __m128i s1 = _mm_cvtsi32_si128(b->s1);
-    WALK(COARSE);
-}
-
-void plfx_k_pair(const plfx_pair_block *b)
-{
-    if (b->s2 == 0) { /* then s1 is 0 as well */
-        pair_exact(b);
-    } else if (b->s1 == 0) {
-        pair_scaled(b);
-    } else {
-        pair_coarse(b);
-    }
-}
-
-/* 16-bit cells at eight offsets by loads of 32 bits, of which the upper (shift 16) or
- * the lower half counts: none of them leaves the sums and their two spare labels. */
-static inline __m256i gathered(const int16_t *base, __m256i at, int32_t shift)
-{
-    __m256i v = _mm256_i32gather_epi32((const int *)(const void *)base, at, 2);
-
-    return _mm256_srli_epi32(_mm256_slli_epi32(v, 16 - shift), 16);
-}
-
-static inline void look_beside(const int16_t *sum, lanes16 at, plfx_won *w)
-{
-    __m256i zero = _mm256_setzero_si256();
-    __m256i lo = _mm256_unpacklo_epi16(at, zero); /* at < 2^15 */
-    __m256i hi = _mm256_unpackhi_epi16(at, zero);
-
-    STORE(w->at, at);
-    STORE(w->next,
-          _mm256_packus_epi32(gathered(sum + 15, lo, 16), gathered(sum + 15, hi, 16)));
-    STORE(w->before,
-          _mm256_packus_epi32(gathered(sum - 16, lo, 0), gathered(sum - 16, hi, 0)));
+    t.at = at;
+    t.best = best;
+    t.next = _mm256_packus_epi32(_mm256_srli_epi32(GATHER(sum + 15, lo), 16),
+                                 _mm256_srli_epi32(GATHER(sum + 15, hi), 16));
+    t.before =
+        _mm256_packus_epi32(_mm256_blend_epi16(GATHER(sum - 16, lo), zero, 0xaa),
+                            _mm256_blend_epi16(GATHER(sum - 16, hi), zero, 0xaa));
+    return t;
 }
 
 /* Where the least sums stand: cells from the first of them to the last cell of all,
- * and how many there are (negative). */
-static inline lanes16 find(const int16_t *sum, lanes16 b, const int16_t *order,
-                           int32_t n, lanes16 *count)
+ * and how many there are (negative).  Eight labels a turn. */
+ALWAYS lanes16 find(const int16_t *sum, lanes16 b, const int16_t *order, ptrdiff_t n,
+                    lanes16 *count)
 {
+    const int16_t *end = sum + n;
     lanes16 k = _mm256_setzero_si256();
     lanes16 c = _mm256_setzero_si256();
-    int32_t at;
 
-    for (at = 0; at + 48 < n; at += 64) {
-        lanes16 m0 = SAME(b, LOAD(sum + at));
-        lanes16 m1 = SAME(b, LOAD(sum + at + 16));
-        lanes16 m2 = SAME(b, LOAD(sum + at + 32));
-        lanes16 m3 = SAME(b, LOAD(sum + at + 48));
-        lanes16 t0 = MAX(AND(m0, LOAD(order + at)), AND(m1, LOAD(order + at + 16)));
-        lanes16 t1 =
-            MAX(AND(m2, LOAD(order + at + 32)), AND(m3, LOAD(order + at + 48)));
-        k = MAX(k, MAX(t0, t1));
-        c = ADD(c, ADD(ADD(m0, m1), ADD(m2, m3)));
+#define FIND(q)                                                                        \
+    lanes16 m##q = SAME(b, LOAD(sum + (q)*16));                                        \
+    lanes16 t##q = AND(m##q, LOAD(order + (q)*16))
+    while (end - sum >= 8 * 16) {
+        FIND(0);
+        FIND(1);
+        FIND(2);
+        FIND(3);
+        FIND(4);
+        FIND(5);
+        FIND(6);
+        FIND(7);
+        k = MAX(k, MAX(MAX(MAX(t0, t1), MAX(t2, t3)), MAX(MAX(t4, t5), MAX(t6, t7))));
+        c = ADD(c, ADD(ADD(ADD(m0, m1), ADD(m2, m3)), ADD(ADD(m4, m5), ADD(m6, m7))));
+        sum += 8 * 16;
+        order += 8 * 16;
     }
-    for (; at < n; at += 16) {
-        lanes16 m = SAME(b, LOAD(sum + at));
-        k = MAX(k, AND(m, LOAD(order + at)));
-        c = ADD(c, m);
+    while (sum < end) {
+        FIND(0);
+        k = MAX(k, t0);
+        c = ADD(c, m0);
+        sum += 16;
+        order += 16;
     }
     *count = c;
     return k;
 }
 
 /* Least over the labels that are no neighbours of the winner. */
-static inline lanes16 second_best(const int16_t *sum, const int16_t *order, int32_t n,
+static inline lanes16 second_best(const int16_t *sum, const int16_t *order, ptrdiff_t n,
                                   lanes16 left)
 {
     lanes16 rest = ALL(INT16_MAX);
-    int32_t at;
+    ptrdiff_t at;
 
     for (at = 0; at < n; at += 16) {
         lanes16 away = _mm256_abs_epi16(SUB(LOAD(order + at), left));
@@ -291,33 +224,219 @@ static inline lanes16 second_best(const int16_t *sum, const int16_t *order, int3
     return rest;
 }
 
+/* One bit of num/den as PLFX_FIT_STEP() of lanes.h finds it. */
+#define BIT(q, num, den)                                                               \
+    twice = ADD(num, num);                                                             \
+    num = _mm256_min_epu16(SUB(twice, den), twice);                                    \
+    q = ADD(ADD(q, q), SAME(num, twice))
+
+/* plfx_lane_vertex_q4(): 8*(next - before) over the rise, sixteenths. */
+ALWAYS lanes16 vertex(trio t, lanes16 vee, const int16_t *k)
+{
+    lanes16 x = SUB(t.next, t.best);
+    lanes16 y = SUB(t.before, t.best);
+    lanes16 high = _mm256_or_si256(x, y);
+    lanes16 num;
+    lanes16 den;
+    lanes16 twice;
+    lanes16 q;
+
+    if (!_mm256_testz_si256(high, CONSTANT(k, HIGH))) { /* seldom */
+        lanes16 big = OVER(_mm256_srli_epi16(high, 14), _mm256_setzero_si256());
+        x = _mm256_blendv_epi8(x, _mm256_srli_epi16(x, 2), big);
+        y = _mm256_blendv_epi8(y, _mm256_srli_epi16(y, 2), big);
+    }
+    den = ADD(MAX(x, y), _mm256_andnot_si256(vee, MIN(x, y))); /* x, y under 2^14 */
+    x = SUB(y, x);
+    num = _mm256_abs_epi16(x);
+    twice = ADD(num, num);
+    num = _mm256_min_epu16(SUB(twice, den), twice);
+    q = SAME(num, twice);
+    BIT(q, num, den);
+    BIT(q, num, den);
+    BIT(q, num, den);
+    q = _mm256_srai_epi16(ADD(q, CONSTANT(k, LABEL)), 1);
+    return _mm256_sign_epi16(q, x);
+}
+
+/* Codes as plfx_won_fit() writes them; tie: the mark of kernels.h on lanes of ones. */
+ALWAYS void store_codes(trio t, lanes16 tie, int32_t labels, int32_t fit, int16_t *code,
+                        const int16_t *k)
+{
+    lanes16 f = vertex(t, ALL(-fit), k);
+    lanes16 l = _mm256_slli_epi16(_mm256_srli_epi16(t.at, 4), 5);
+
+    f = AND(f,
+            AND(OVER(t.at, CONSTANT(k, FIFTEEN)), OVER(ALL(16 * (labels - 1)), t.at)));
+    f = ADD(ADD(f, l), CONSTANT(k, EIGHT)); /* under 2^14 */
+    STORE(code, _mm256_or_si256(f, AND(tie, CONSTANT(k, MARK))));
+}
+
+/* Confidences, or the two sums; ones where the second is as good. */
+static lanes16 rate(const int16_t *sum, const int16_t *order, ptrdiff_t n, lanes16 best,
+                    lanes16 left, const plfx_winners *out)
+{
+    lanes16 second = second_best(sum, order, n, left);
+
+    if (out->best) {
+        STORE(out->best, best);
+        STORE(out->rest, second);
+    } else {
+        int16_t first[16];
+        int16_t rest[16];
+        STORE(first, best);
+        STORE(rest, second);
+        plfx_won_rate(first, rest, out->floor_cost, out->conf);
+    }
+    return SAME(second, best);
+}
+
+ALWAYS void select_lanes(const int16_t *sum, lanes16 best, const int16_t *order,
+                         int32_t labels, int32_t fit, const plfx_winners *out)
+{
+    const int16_t *k = constants[0];
+    ptrdiff_t n = (ptrdiff_t)labels * 16;
+    lanes16 count;
+    lanes16 left = find(sum, best, order, n, &count);
+    trio t = look_beside(sum, best, SUB(ALL(n), left));
+    lanes16 tie;
+
+    HOLD(k);
+    if (out->conf || out->best) {
+        tie = rate(sum, order, n, best, left, out);
+    } else { /* a neighbour behind that is as good makes no tie */
+        lanes16 beside = AND(SAME(t.next, best), OVER(left, CONSTANT(k, LABEL)));
+        tie = OVER(beside, ADD(count, CONSTANT(k, ONE)));
+    }
+    store_codes(t, tie, labels, fit, out->code, k);
+}
+
 void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *order,
                    int32_t labels, int32_t fit, const plfx_winners *out)
 {
-    int32_t n = labels * 16;
-    lanes16 best = LOAD(lead->least);
-    lanes16 count;
-    lanes16 left = find(sum, best, order, n, &count);
-    plfx_won w;
+    select_lanes(sum, LOAD(lead->least), order, labels, fit, out);
+}
 
-    STORE(w.best, best);
-    look_beside(sum, SUB(ALL(n), left), &w);
-    if (out->conf || out->best) {
-        int16_t rest[16];
-        lanes16 second = second_best(sum, order, n, left);
-        STORE(rest, second);
-        STORE(w.tie, SAME(second, best));
-        if (out->best) {
-            STORE(out->best, best);
-            STORE(out->rest, second);
-        } else {
-            plfx_won_rate(w.best, rest, out->floor_cost, out->conf);
-        }
-    } else { /* a neighbour behind that is as good makes no tie */
-        lanes16 beside = AND(SAME(LOAD(w.next), best), OVER(left, ALL(16)));
-        STORE(w.tie, OVER(beside, ADD(count, ALL(1))));
+/* How finely sums are kept: scaled by s2, and single differences by s1 as well. */
+enum { EXACT, SCALED, COARSE };
+
+typedef struct fine {
+    __m128i s1, s2;
+} fine;
+
+/* One label: differences `in` enter and `out` leave; the new sum. */
+ALWAYS lanes16 label(uint16_t *col, int16_t *sum, const uint16_t *leave, lanes16 in,
+                     lanes16 out, int32_t kind, fine f)
+{
+    lanes16 c;
+    lanes16 s;
+
+    if (kind == COARSE) {
+        in = _mm256_srl_epi16(in, f.s1);
+        out = _mm256_srl_epi16(out, f.s1);
     }
-    plfx_won_fit(&w, labels, fit, out->code);
+    c = ADD(SUB(in, out), LOAD(col));
+    if (kind == EXACT) {
+        s = SUB(c, LOAD(leave));
+    } else {
+        s = SUB(_mm256_srl_epi16(c, f.s2), _mm256_srl_epi16(LOAD(leave), f.s2));
+    }
+    s = ADD(s, LOAD(sum));
+    STORE(col, c);
+    STORE(sum, s);
+    return s;
+}
+
+/* All labels of a block, eight a turn; the least sums.  Both views move by `step`, 16
+ * or -16, or as r says where it is 0. */
+ALWAYS lanes16 block(const plfx_whole_row *r, const plfx_walker *w, ptrdiff_t step,
+                     int32_t kind, fine f)
+{
+    const uint16_t *end = w->col + (ptrdiff_t)r->labels * 16;
+    const ptrdiff_t up = step ? step : r->step;
+    const ptrdiff_t gone_up = step ? step : r->gone_step;
+    const lanes16 here = LOAD(w->left);
+    const lanes16 there = LOAD(w->left_gone);
+    const int16_t *right = w->right;
+    const int16_t *gone = w->right_gone;
+    const uint16_t *leave = w->leave;
+    uint16_t *col = w->col;
+    int16_t *sum = r->sum;
+    lanes16 low = ALL(INT16_MAX);
+
+#define TAKE(q)                                                                        \
+    label(col + (q)*16, sum + (q)*16, leave + (q)*16, apart(here, right + (q)*up),     \
+          apart(there, gone + (q)*gone_up), kind, f)
+#define STEP(labels)                                                                   \
+    col += (labels)*16;                                                                \
+    sum += (labels)*16;                                                                \
+    leave += (labels)*16;                                                              \
+    right += (labels)*up;                                                              \
+    gone += (labels)*gone_up;                                                          \
+    HOLD(right);                                                                       \
+    HOLD(gone)
+    while (end - col >= 8 * 16) {
+        lanes16 a = MIN(TAKE(0), TAKE(1));
+        lanes16 b = MIN(TAKE(2), TAKE(3));
+        low = MIN(low, MIN(a, b));
+        a = MIN(TAKE(4), TAKE(5));
+        b = MIN(TAKE(6), TAKE(7));
+        low = MIN(low, MIN(a, b));
+        STEP(8);
+    }
+    while (col < end) {
+        low = MIN(low, TAKE(0));
+        STEP(1);
+    }
+    return low;
+}
+
+ALWAYS void row(const plfx_whole_row *r, int32_t kind, ptrdiff_t step)
+{
+    const plfx_whole_row k = *r; /* a copy: stores cannot change it */
+    const fine f = {_mm_cvtsi32_si128(k.s1), _mm_cvtsi32_si128(k.s2)};
+    plfx_walker w = plfx_walk_start(r);
+    int32_t b;
+
+    for (b = 0; b < k.blocks; b++) {
+        lanes16 low = block(&k, &w, step, kind, f);
+        if (k.out && b >= k.window - 1) {
+            plfx_winners out = plfx_out_of(&k, b);
+            select_lanes(k.sum, low, k.order, k.labels, k.fit, &out);
+        }
+        plfx_walk_on(&k, &w, b);
+    }
+}
+
+/* Labels one column apart, the usual case, know their steps. */
+#define BY_STEP(name, kind)                                                            \
+    static void name(const plfx_whole_row *r)                                          \
+    {                                                                                  \
+        if (r->step == 16 && r->gone_step == 16) {                                     \
+            row(r, kind, 16);                                                          \
+        } else if (r->step == -16 && r->gone_step == -16) {                            \
+            row(r, kind, -16);                                                         \
+        } else {                                                                       \
+            row(r, kind, 0);                                                           \
+        }                                                                              \
+    }
+BY_STEP(row_exact, EXACT)
+BY_STEP(row_scaled, SCALED)
+
+static void row_coarse(const plfx_whole_row *r)
+{
+    row(r, COARSE, 0);
+}
+
+void plfx_k_whole(const plfx_whole_row *r)
+{
+    if (r->s2 == 0) { /* then s1 is 0 as well */
+        row_exact(r);
+    } else if (r->s1 == 0) {
+        row_scaled(r);
+    } else {
+        row_coarse(r);
+    }
 }
 
 #else

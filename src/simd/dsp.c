@@ -34,34 +34,40 @@ static inline uint32_t apart(uint32_t a, uint32_t b)
     return __sel(under, over); /* the flags are those of b >= a */
 }
 
-/* Least sums and the first and the last label that has them. */
+/* Least sums and the first and the last label that has them, counted down from the
+ * number of labels to 1. */
 typedef struct race {
     uint32_t least, first, last, label;
 } race;
 
+static inline race start(int32_t labels)
+{
+    race r = {0x7fff7fffu, 0, 0, 0};
+
+    r.label = (uint32_t)labels * ONES;
+    r.first = r.label;
+    r.last = r.label;
+    return r;
+}
+
 static inline void meet(race *r, uint32_t s)
 {
-    uint32_t before = r->least;
-
-    (void)__ssub16((int16x2_t)s, (int16x2_t)before); /* flags: s >= before */
-    r->least = __sel(before, s);
+    (void)__ssub16((int16x2_t)s, (int16x2_t)r->least); /* flags: s >= least */
     r->first = __sel(r->first, r->label);
-    (void)__ssub16((int16x2_t)before, (int16x2_t)s); /* flags: s <= before */
+    r->least = __sel(r->least, s);
+    (void)__ssub16((int16x2_t)r->least, (int16x2_t)s); /* flags: s is the least */
     r->last = __sel(r->label, r->last);
-    r->label += ONES;
+    r->label -= ONES;
 }
 
-static inline void finish(const race *r, plfx_lead *lead)
+static inline void finish(const race *r, int32_t labels, plfx_lead *lead)
 {
-    put(lead->least, r->least);
-    put(lead->first, r->first);
-    put(lead->last, r->last);
-}
+    uint32_t n = (uint32_t)labels * ONES;
 
-#define START                                                                          \
-    {                                                                                  \
-        0x7fff7fffu, 0, 0, 0                                                           \
-    }
+    put(lead->least, r->least);
+    put(lead->first, n - r->first);
+    put(lead->last, n - r->last);
+}
 
 /* v >> s on both lanes; mask: what stays of a lane, twice. */
 static inline uint32_t scaled(uint32_t v, int32_t s, uint32_t mask)
@@ -90,101 +96,64 @@ static inline void total(int16_t *sum, uint32_t in, uint32_t out, race *r)
     meet(r, s);
 }
 
-static void pair_exact(const plfx_pair_block *b)
+/* Steps and shifts known to the compiler cost no register and no instruction. */
+static inline void block_of(const plfx_whole_row *row, const plfx_walker *w,
+                            int32_t step, int32_t gone_step, int32_t s1, int32_t s2)
 {
-    race r = START;
-    uint32_t here = get(b->left);
-    uint32_t there = get(b->left_gone);
-    const int16_t *right = b->right;
-    const int16_t *gone = b->right_gone;
-    const uint16_t *leave = b->leave;
-    uint16_t *col = b->col;
-    int16_t *sum = b->sum;
-    const uint16_t *end = col + 2 * b->labels;
-    int32_t step = b->step;
-    int32_t gone_step = b->gone_step;
+    race r = start(row->labels);
+    /* In memory, one load each: pointers kept there would cost a load and a store. */
+    volatile uint32_t here = get(w->left);
+    volatile uint32_t there = get(w->left_gone);
+    const int16_t *right = w->right;
+    const int16_t *gone = w->right_gone;
+    const uint16_t *leave = w->leave;
+    uint16_t *col = w->col;
+    int16_t *sum = row->sum;
+    uint32_t m1 = mask_of(s1);
+    uint32_t m2 = mask_of(s2);
 
-    for (; col < end; col += 2) {
-        uint32_t c = enter(col, apart(here, get(right)), apart(there, get(gone)));
-        total(sum, c, get(leave), &r);
+    __asm__("" : "+r"(m2)); /* in a register: then shift and mask are one instruction */
+    do {                    /* labels: at least one */
+        uint32_t in = scaled(apart(here, get(right)), s1, m1);
+        uint32_t out = scaled(apart(there, get(gone)), s1, m1);
+        uint32_t c = enter(col, in, out);
+        total(sum, scaled(c, s2, m2), scaled(get(leave), s2, m2), &r);
         right += step;
         gone += gone_step;
         leave += 2;
+        col += 2;
         sum += 2;
-    }
-    finish(&r, b->lead);
+    } while (r.label != 0);
+    finish(&r, row->labels, row->lead);
 }
 
-static void pair_scaled(const plfx_pair_block *b)
+/* Labels a column apart and sums exact or cut by 3 bits (12 bits, windows of 9) are the
+ * usual case. */
+void plfx_k_lane(const plfx_whole_row *r, const plfx_walker *w)
 {
-    race r = START;
-    uint32_t here = get(b->left);
-    uint32_t there = get(b->left_gone);
-    const int16_t *right = b->right;
-    const int16_t *gone = b->right_gone;
-    const uint16_t *leave = b->leave;
-    uint16_t *col = b->col;
-    int16_t *sum = b->sum;
-    const uint16_t *end = col + 2 * b->labels;
-    uint32_t m1 = mask_of(b->s1);
-    uint32_t m2 = mask_of(b->s2);
-    int32_t s2 = b->s2;
+    int32_t fine = r->s1 == 0 && r->gone_step == r->step ? r->s2 : -1;
 
-    for (; col < end; col += 2) {
-        uint32_t in = scaled(apart(here, get(right)), b->s1, m1);
-        uint32_t out = scaled(apart(there, get(gone)), b->s1, m1);
-        uint32_t c = enter(col, in, out);
-        total(sum, scaled(c, s2, m2), scaled(get(leave), s2, m2), &r);
-        right += b->step;
-        gone += b->gone_step;
-        leave += 2;
-        sum += 2;
-    }
-    finish(&r, b->lead);
-}
-
-/* Twelve bits and windows of 5 to 9: a shift known to the compiler costs nothing. */
-#define PAIR_BY(name, s2)                                                              \
-    static void name(const plfx_pair_block *b)                                         \
-    {                                                                                  \
-        race r = START;                                                                \
-        uint32_t here = get(b->left);                                                  \
-        uint32_t there = get(b->left_gone);                                            \
-        const int16_t *right = b->right;                                               \
-        const int16_t *gone = b->right_gone;                                           \
-        const uint16_t *leave = b->leave;                                              \
-        uint16_t *col = b->col;                                                        \
-        int16_t *sum = b->sum;                                                         \
-        const uint16_t *end = col + 2 * b->labels;                                     \
-        int32_t step = b->step;                                                        \
-        int32_t gone_step = b->gone_step;                                              \
-        uint32_t mask = mask_of(s2);                                                   \
-        for (; col < end; col += 2) {                                                  \
-            uint32_t c = enter(col, apart(here, get(right)), apart(there, get(gone))); \
-            total(sum, scaled(c, s2, mask), scaled(get(leave), s2, mask), &r);         \
-            right += step;                                                             \
-            gone += gone_step;                                                         \
-            leave += 2;                                                                \
-            sum += 2;                                                                  \
-        }                                                                              \
-        finish(&r, b->lead);                                                           \
-    }
-PAIR_BY(pair_by_3, 3)
-
-void plfx_k_pair(const plfx_pair_block *b)
-{
-    if (b->s1 == 0 && b->s2 == 0) {
-        pair_exact(b);
-    } else if (b->s1 == 0 && b->s2 == 3) {
-        pair_by_3(b);
+    if (fine == 0 && r->step == 2) {
+        block_of(r, w, 2, 2, 0, 0);
+    } else if (fine == 0 && r->step == -2) {
+        block_of(r, w, -2, -2, 0, 0);
+    } else if (fine == 3 && r->step == 2) {
+        block_of(r, w, 2, 2, 0, 3);
+    } else if (fine == 3 && r->step == -2) {
+        block_of(r, w, -2, -2, 0, 3);
     } else {
-        pair_scaled(b);
+        block_of(r, w, r->step, r->gone_step, r->s1, r->s2);
     }
+}
+
+void plfx_k_whole(const plfx_whole_row *r)
+{
+    plfx_walk_row(r);
 }
 
 void plfx_k_update(const plfx_update_block *b)
 {
-    race r = START;
+    race r = start(b->labels);
     uint32_t mask = mask_of(b->s2);
     int32_t q;
 
@@ -193,13 +162,13 @@ void plfx_k_update(const plfx_update_block *b)
         total(b->sum + q, scaled(c, b->s2, mask),
               scaled(get(b->leave + q), b->s2, mask), &r);
     }
-    finish(&r, b->lead);
+    finish(&r, b->labels, b->lead);
 }
 
 void plfx_k_slide(int16_t *sum, const uint16_t *in, const uint16_t *leave,
                   int32_t labels, int32_t s2, plfx_lead *lead)
 {
-    race r = START;
+    race r = start(labels);
     uint32_t mask = mask_of(s2);
     int32_t q;
 
@@ -207,7 +176,7 @@ void plfx_k_slide(int16_t *sum, const uint16_t *in, const uint16_t *leave,
         total(sum + q, scaled(get(in + q), s2, mask), scaled(get(leave + q), s2, mask),
               &r);
     }
-    finish(&r, lead);
+    finish(&r, labels, lead);
 }
 
 void plfx_k_stripe(const int16_t *restrict lin, int32_t blocks, int16_t *restrict out)
