@@ -77,6 +77,18 @@ def coverage():
     yield 'branches of the core, the same', str(branches), '`coverage.py`'
 
 
+def mutation():
+    for what, tried, seen, argued in table_rows('mutation.csv'):
+        yield (f'faults put into the kernels ({what}) that a test sees',
+               f'{seen} of {tried}; {argued} more change no result (95 % asked)',
+               '`mutation.py --note`')
+
+
+def faults():
+    for what, tried, missed in table_rows('faults.csv'):
+        yield f'{what}: tried, got through', f'{tried}, {missed}', '`faults.py`'
+
+
 def planted():
     text = (common.ROOT / '.ci/checks/planted.py').read_text()
     cases = len(re.findall(r"^    \('", text, re.M))
@@ -84,7 +96,8 @@ def planted():
 
 
 def table():
-    rows = [*targets(), *sizes(), *instructions(), *coverage(), *conditions(), *fuzzing(), *planted()]
+    rows = [*targets(), *sizes(), *instructions(), *coverage(), *conditions(),
+            *mutation(), *fuzzing(), *faults(), *planted()]
     head = '| figure | value | held by |\n| --- | --- | --- |\n'
     return head + ''.join(f'| {a} | {b} | {c} |\n' for a, b, c in rows)
 

@@ -41,6 +41,14 @@ CASES = [
     ('floors: system header', 'floors.py', ['floors'], r'<stdlib.h> is not allowed'),
     ('floors: port into core', 'floors.py', ['floors'], r'port.c: includes src/inner.h'),
     ('floors: new header', 'floors.py', ['floors'], r'novel.h: no floor'),
+    ('fault that got through', 'faults.py', ['--report', 'faults.txt'],
+     r'power cuts: 3 of 100 got through'),
+    ('test named in a document', 'numbers.py', ['numbers.md', 'numbers.h'],
+     r'numbers.md:5: test_that_is_gone does not exist'),
+    ('bound without a test', 'numbers.py', ['numbers.md', 'numbers.h'],
+     r'numbers.md:6: no test holds "offset"'),
+    ('format that no document tells', 'numbers.py', ['numbers.md', 'numbers.h'],
+     r'numbers.h: silent_q12 is not in numbers.md'),
 ]
 # Checkers that run in .ci/run alone: planted.py --slow
 SLOW = [

@@ -187,6 +187,8 @@ static void cuts(int32_t tables_before)
     print_message("# %u operations, %u power cuts: %u old, %u new, %u tables lost\n",
                   (unsigned)total, (unsigned)n, (unsigned)of[0], (unsigned)of[1],
                   (unsigned)lost);
+    print_message("# count: power cuts, %u tried, %u missed\n", (unsigned)n,
+                  (unsigned)lost);
     assert_int_equal(lost, 0);
     assert_int_not_equal(of[0], 0);
     assert_int_not_equal(of[1], 0);
@@ -201,6 +203,7 @@ static void no_power_cut_loses_a_table(void **state)
 
 static void failing_operations_leave_the_old_table(void **state)
 {
+    uint32_t tried = 0;
     static const uint8_t faults[] = {PLFX_RAM_FAIL_ONCE, PLFX_RAM_FAIL_EVER};
     static uint32_t bytes[64];
     uint32_t total;
@@ -231,8 +234,11 @@ static void failing_operations_leave_the_old_table(void **state)
             } else {
                 assert_in_range(held(), 1, 2); /* the last sync alone may have failed */
             }
+            tried++;
         }
     }
+    print_message("# count: operations that failed, %u tried, 0 missed\n",
+                  (unsigned)tried);
 }
 
 /* A device whose reading `when` fails, once or for ever. */
@@ -289,6 +295,7 @@ static void session(int32_t before)
 
 static void failing_reads_lose_no_table(void **state)
 {
+    uint32_t tried = 0;
     int32_t before;
     int32_t ever;
     uint32_t total;
@@ -312,9 +319,12 @@ static void failing_reads_lose_no_table(void **state)
                 reads_fail(when, ever);
                 session(before);
                 assert_true(held() == 2 || held() == before - 1 || held() == 0);
+                tried++;
             }
         }
     }
+    print_message("# count: operations that failed, %u tried, 0 missed\n",
+                  (unsigned)tried);
 }
 
 /* Bytes that do not read back, and erasures that did nothing, are found at once. */

@@ -91,6 +91,7 @@ static void every_flipped_bit_is_found(void **s)
         buf[bit / 8u] = (uint8_t)(buf[bit / 8u] ^ 1u << bit % 8u);
     }
     assert_int_equal(plfx_packet_open(buf, len, &p), PLFX_OK);
+    print_message("# count: single-bit flips, %u tried, 0 missed\n", (unsigned)bit);
 }
 
 static void every_cut_is_found(void **s)
