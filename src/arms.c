@@ -328,12 +328,25 @@ void plfx_arms_box(const int16_t *restrict in, int32_t window, int32_t n,
     }
 }
 
-static void add_row(const int16_t *restrict in, int32_t n, int16_t *restrict sum)
+/* out = a + b + c. */
+static void add_three(const int16_t *restrict a, const int16_t *restrict b,
+                      const int16_t *restrict c, int32_t n, int16_t *restrict out)
 {
     int32_t i;
 
     for (i = 0; i < n; i++) {
-        sum[i] = (int16_t)(sum[i] + in[i]);
+        out[i] = (int16_t)(a[i] + b[i] + c[i]);
+    }
+}
+
+/* out += a + b. */
+static void add_two(const int16_t *restrict a, const int16_t *restrict b, int32_t n,
+                    int16_t *restrict out)
+{
+    int32_t i;
+
+    for (i = 0; i < n; i++) {
+        out[i] = (int16_t)(out[i] + a[i] + b[i]);
     }
 }
 
@@ -400,14 +413,13 @@ static void box_arm(const plfx_frame_state *s, const scratch *t, int32_t a, int3
     int16_t *box = t->arm_sum;
     int32_t i;
 
-    memset(t->column, 0, (size_t)wide * sizeof *t->column);
-    memset(box, 0, (size_t)s->nx * sizeof *box);
-    for (i = 0; i < w; i++) {
-        add_row(arm_row_at(s, t, a, y - w / 2 + i), wide, t->column);
+    add_three(arm_row_at(s, t, a, y - w / 2), arm_row_at(s, t, a, y - w / 2 + 1),
+              arm_row_at(s, t, a, y - w / 2 + 2), wide, t->column);
+    for (i = 3; i < w; i += 2) {
+        add_two(arm_row_at(s, t, a, y - w / 2 + i),
+                arm_row_at(s, t, a, y - w / 2 + i + 1), wide, t->column);
     }
-    for (i = 0; i < w; i++) {
-        add_row(t->column + i, s->nx, box);
-    }
+    plfx_arms_box(t->column, w, s->nx, box);
     plfx_arms_keep(box, s->nx, t->least);
     if (s->cfg.axes && plfx_arms_axis(s, a) >= 0) {
         plfx_arms_lesser(box, s->nx, t->axis[plfx_arms_axis(s, a)]);

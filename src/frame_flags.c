@@ -45,16 +45,18 @@ void plfx_frame_axes(const plfx_frame_state *s, const uint8_t *u, const uint8_t 
     }
 }
 
-/* Sum of |differences| over the window against the threshold: counts of 12 bits. */
+/* Sum of |differences| over the window against the threshold: counts of 12 bits.
+ * Rows are summed until they reach it. */
 static int32_t flat(const plfx_frame_state *s, int32_t x, int32_t y)
 {
     int32_t w = s->plan->cfg.window;
     int32_t up = 12 - s->plan->cfg.bits;
-    int32_t sum = 0;
+    int64_t limit = ((int64_t)s->plan->cfg.texture * w * w) << up;
+    int64_t sum = 0;
     int32_t i;
     int32_t j;
 
-    for (j = y - w / 2; j <= y + w / 2; j++) {
+    for (j = y - w / 2; j <= y + w / 2 && 16 * sum < limit; j++) {
         const uint16_t *a =
             plfx_frame_line(s, s->plan->cfg.ref, plfx_clamp_i32(j, 0, s->ny - 1));
         const uint16_t *b =
@@ -66,7 +68,7 @@ static int32_t flat(const plfx_frame_state *s, int32_t x, int32_t y)
             sum += (dx < 0 ? -dx : dx) + (dy < 0 ? -dy : dy);
         }
     }
-    return 16 * (int64_t)sum < (((int64_t)s->plan->cfg.texture * w * w) << up);
+    return 16 * sum < limit;
 }
 
 void plfx_frame_flags(const plfx_frame_state *s, const plfx_frame_out *row, int32_t y)
