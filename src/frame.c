@@ -5,7 +5,7 @@
 #include "arena.h"
 #include "fix.h"
 
-#define SMOOTH_FROM_Q4 12    /* noise from which views are smoothed first */
+#define SMOOTH_FROM_Q4 7     /* noise from which views are smoothed first */
 #define ARM_SUM_MAX    32767 /* 16-bit signed lanes */
 
 int32_t plfx_frame_e_of(const plfx_frame_state *s, int32_t slope_q16)
@@ -255,6 +255,8 @@ static size_t largest_scratch(const plfx_frame_state *s)
     now = plfx_median_scratch(s);
     most = now > most ? now : most;
     now = s->cfg.taps ? plfx_refine_scratch(s) : 0;
+    most = now > most ? now : most;
+    now = s->cfg.taps ? plfx_sigma_scratch(s) : 0;
     return now > most ? now : most;
 }
 
@@ -397,6 +399,9 @@ static void refine(plfx_frame_state *s)
     if (s->cfg.median2) {
         plfx_median(s, s->cfg.median2, s->e_a, s->e_b);
         swap_maps(s);
+    }
+    if (s->cfg.taps) {
+        plfx_sigma_map(s, s->e_a);
     }
 }
 

@@ -45,13 +45,22 @@ void plfx_frame_axes(const plfx_frame_state *s, const uint8_t *u, const uint8_t 
     }
 }
 
-/* Sum of |differences| over the window against the threshold: counts of 12 bits.
- * Rows are summed until they reach it. */
-static int32_t flat(const plfx_frame_state *s, int32_t x, int32_t y)
+/* Mean |dx| + |dy| of texture that can be matched, counts of 12 bits in sixteenths: the
+ * plan's, or 1.3 times what noise alone makes (4/sqrt(pi) of it a lens, 0.489 of it
+ * when views are smoothed). */
+static int64_t least_texture(const plfx_frame_state *s)
+{
+    int64_t plan = (int64_t)s->plan->cfg.texture << (12 - s->plan->cfg.bits);
+    int64_t noise = (int64_t)s->cfg.noise_q4 * (s->smooth ? 10 : 47);
+
+    return plan > noise ? plan : noise;
+}
+
+/* Sum of |differences| over the window.  Rows are summed until they reach it. */
+static int32_t flat(const plfx_frame_state *s, int64_t least, int32_t x, int32_t y)
 {
     int32_t w = s->plan->cfg.window;
-    int32_t up = 12 - s->plan->cfg.bits;
-    int64_t limit = ((int64_t)s->plan->cfg.texture * w * w) << up;
+    int64_t limit = least * w * w;
     int64_t sum = 0;
     int32_t i;
     int32_t j;
@@ -76,6 +85,7 @@ void plfx_frame_flags(const plfx_frame_state *s, const plfx_frame_out *row, int3
     const plfx_cfg *c = &s->plan->cfg;
     reach rx = reach_of(s, s->bx_q16);
     reach ry = reach_of(s, s->by_q16);
+    int64_t least = least_texture(s);
     int32_t r = c->window / 2;
     int32_t x;
 
@@ -87,7 +97,7 @@ void plfx_frame_flags(const plfx_frame_state *s, const plfx_frame_out *row, int3
         }
         f |= row->raw[x] >= row->top ? PLFX_FLAG_SATURATED : 0u;
         f |= row->conf[x] < c->unique_u16 ? PLFX_FLAG_UNIQUE : 0u;
-        f |= c->texture && flat(s, x, y) ? PLFX_FLAG_TEXTURE : 0u;
+        f |= c->texture && flat(s, least, x, y) ? PLFX_FLAG_TEXTURE : 0u;
         row->flags[x] = (uint8_t)f;
     }
 }

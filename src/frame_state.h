@@ -137,8 +137,11 @@ size_t plfx_median_scratch(const plfx_frame_state *s);
 void plfx_median(const plfx_frame_state *s, int32_t window, const int32_t *in,
                  int32_t *out);
 size_t plfx_refine_scratch(const plfx_frame_state *s);
-/* One pass; standard errors only with the last. */
+/* One pass; what standard errors need only with the last. */
 void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out,
                  int32_t last);
+/* Standard errors of the final e. */
+size_t plfx_sigma_scratch(const plfx_frame_state *s);
+void plfx_sigma_map(const plfx_frame_state *s, const int32_t *e);
 
 #endif

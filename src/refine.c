@@ -37,7 +37,6 @@ static size_t carve(const plfx_frame_state *s, scratch *t, void *base)
     t->value = plfx_take(&a, nx, sizeof *t->value);
     t->tukey = plfx_take(&a, PLFX_TUKEY_STEPS, sizeof *t->tukey);
     t->score = plfx_take(&a, side * side, sizeof *t->score);
-    t->bin = plfx_take(&a, PLFX_MISFIT_BINS, sizeof *t->bin);
     return a.used;
 }
 
@@ -422,8 +421,5 @@ void plfx_refine(const plfx_frame_state *s, const int32_t *in, int32_t *out,
         for (x = 0; y >= r && x < s->nx; x++) {
             finish_pixel(s, &t, in, x, y - r, out);
         }
-    }
-    if (last) {
-        plfx_sigma_finish(s, &t);
     }
 }

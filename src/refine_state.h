@@ -20,7 +20,6 @@ typedef struct plfx_refine_work {
     int32_t *value;   /* [nx] */
     uint16_t *tukey;  /* [PLFX_TUKEY_STEPS] */
     int32_t *score;   /* [window + 4][window + 4] */
-    uint32_t *bin;    /* [PLFX_MISFIT_BINS] */
     int64_t noise_q8; /* of A, a view of weight 1 */
     int32_t last;     /* the pass whose standard errors count */
 } plfx_refine_work;
@@ -42,10 +41,14 @@ static inline plfx_sums *plfx_refine_row(const plfx_frame_state *s,
     return t->ring + (size_t)(y % s->cfg.window) * (size_t)s->nx;
 }
 
-/* What a standard error needs of pixel `at`, and all of them when the frame is done. */
+static inline uint32_t plfx_cut_u32(uint64_t v)
+{
+    return v < UINT32_MAX ? (uint32_t)v : UINT32_MAX;
+}
+
+/* What a standard error needs of pixel `at`. */
 void plfx_sigma_pixel(const plfx_frame_state *s, const plfx_refine_work *t,
                       const int32_t *e, plfx_refine_window w, size_t at,
                       const plfx_solution *v);
-void plfx_sigma_finish(const plfx_frame_state *s, const plfx_refine_work *t);
 
 #endif

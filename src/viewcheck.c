@@ -4,10 +4,11 @@
 #include "plenofix/viewcheck.h"
 #include "fix.h"
 
-#define VIEWS_MAX 2048
-#define STEP      4
-#define BLOCK     8
-#define BINS      128 /* of block sums: 64 samples of 1/4 grey level a bin */
+#define VIEWS_MAX   2048
+#define STEP        4
+#define BLOCK       8
+#define NOISE_VIEWS 8
+#define BINS        128 /* of block sums: 64 samples of 1/4 grey level a bin */
 
 typedef struct tally {
     uint32_t mean, clipped; /* mean sample; clipped samples in 1024ths */
@@ -125,6 +126,38 @@ static uint32_t block_sum(const plfx_views *v, int32_t k, int32_t x0, int32_t y0
     return sum;
 }
 
+/* Views that are looked at together, and which: i of m spread over n. */
+static int32_t looked_at(const plfx_views *v, int32_t k)
+{
+    return k != PLFX_VIEWS_ALL ? 1 : v->n < NOISE_VIEWS ? v->n : NOISE_VIEWS;
+}
+
+/* Mean over the views of a block's sum. */
+static uint32_t mean_sum(const plfx_views *v, int32_t k, int32_t x, int32_t y)
+{
+    int32_t m = looked_at(v, k);
+    uint32_t sum = 0; /* under 2^25 */
+    int32_t i;
+
+    for (i = 0; i < m; i++) {
+        sum += block_sum(v, k != PLFX_VIEWS_ALL ? k : i * v->n / m, x, y);
+    }
+    return sum / (uint32_t)m;
+}
+
+/* Of noise alone a block's mean scatters by 0.166 of it over the root of m views, and
+ * its twentieth lies 0.27 over that root low, which is given back, q8. */
+static uint32_t choice_q8(int32_t m)
+{
+    return 256u + 1120u / (uint32_t)plfx_isqrt_u64(256u * (uint64_t)m);
+}
+
+static int32_t noise_args_ok(const plfx_views *v, int32_t bits, int32_t k)
+{
+    return v && v->px && v->n >= 1 && k >= PLFX_VIEWS_ALL && k < v->n && v->nx >= 16 &&
+           v->ny >= 16 && bits >= PLFX_BITS_MIN && bits <= PLFX_BITS_MAX;
+}
+
 int32_t plfx_views_noise_q4(const plfx_views *views, int32_t bits, int32_t k)
 {
     uint32_t bin[BINS];
@@ -134,15 +167,14 @@ int32_t plfx_views_noise_q4(const plfx_views *views, int32_t bits, int32_t k)
     int32_t x;
     int32_t y;
 
-    if (!views || !views->px || k < 0 || k >= views->n || views->nx < 16 ||
-        views->ny < 16 || bits < PLFX_BITS_MIN || bits > PLFX_BITS_MAX) {
+    if (!noise_args_ok(views, bits, k)) {
         return 0;
     }
     memset(bin, 0, sizeof bin);
     for (y = 1; y + BLOCK < views->ny; y += BLOCK) {
         for (x = 1; x + BLOCK < views->nx; x += BLOCK) {
             /* quarters of a grey level of mean |d|: sum/64 * 4 / 2^(bits-8) */
-            uint32_t q = block_sum(views, k, x, y) >> (bits - 4);
+            uint32_t q = mean_sum(views, k, x, y) >> (bits - 4);
             bin[q < BINS ? q : BINS - 1]++;
             blocks++;
         }
@@ -152,5 +184,7 @@ int32_t plfx_views_noise_q4(const plfx_views *views, int32_t bits, int32_t k)
         seen += bin[i++];
     }
     /* noise = 0.2089 of the mean; q quarters -> sixteenths: 4 * 0.2089 = 214/256 */
-    return (int32_t)((2 * i + 1) * 107 / 256);
+    i = (2 * i + 1) * 107;
+    return (int32_t)(k != PLFX_VIEWS_ALL ? i >> 8
+                                         : (i * choice_q8(looked_at(views, k))) >> 16);
 }

@@ -90,7 +90,7 @@ def strip_comments(text):
 
 # Parts of the core that a microcontroller links on their own, and their objects on an M7.
 PARTS = {
-    'frame.h': r'(arms|frame|frame_flags|median|preset|refine|sgm|sigma|viewcheck|'
+    'frame.h': r'(arms|frame|frame_flags|median|preset|refine|sgm|sigma|sigma_map|viewcheck|'
                r'winner_row)$',
     'arms in stream.h': r'arms_stream$',
     'structural motion': r'(roi|modal|packet)(_|$)|ln$',

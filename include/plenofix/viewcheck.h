@@ -23,10 +23,15 @@ extern "C" {
 int32_t plfx_views_check(const plfx_views *views, int32_t bits, uint8_t *found,
                          uint32_t *work);
 
+#define PLFX_VIEWS_ALL (-1)
+
 /* Standard deviation of the noise of view k, grey levels of an 8-bit scale in
  * sixteenths: blocks of 8x8, sum of |[1 -2 1; -2 4 -2; 1 -2 1]| (Immerkaer 1996: noise
- * = sqrt(pi/2)/6 of its mean), the smoothest twentieth of the blocks.  Fine texture
- * everywhere reads as noise.  0 when the view is smaller than 16x16. */
+ * = sqrt(pi/2)/6 of its mean), the smoothest twentieth of the blocks.  One view reads
+ * up to a quarter low, as the smoothest blocks are those where noise happens to be
+ * weak.  PLFX_VIEWS_ALL: the same place in up to eight views, spread over all, is one
+ * block, which leaves 5 % of that.  Fine texture everywhere reads as noise, noise that
+ * neighbouring samples share reads low.  0 when a view is smaller than 16x16. */
 int32_t plfx_views_noise_q4(const plfx_views *views, int32_t bits, int32_t k);
 
 #ifdef __cplusplus

@@ -381,6 +381,43 @@ static uint32_t run_depth(void)
     return golden_end(&c);
 }
 
+/* A whole frame by a preset; from a noise of 7 on views are smoothed first. */
+static uint32_t frame(int32_t preset, int32_t noise_q4)
+{
+    plfx_cfg cfg = scene_cfg(PLFX_METHOD_ARMS, PLFX_COST_SAD, PLFX_FIT_VEE);
+    plfx_map map = scene_empty();
+    plfx_frame_cfg how;
+    plfx_views views;
+    plfx_plan plan;
+    plfx_lut lut;
+
+    if (plfx_preset(preset, &cfg, &how) != PLFX_OK ||
+        scene_make(PLFX_LATTICE_SQUARE, &lut) == 0 ||
+        plfx_plan_init(&plan, &cfg, &lut, SCENE_NX, SCENE_NY) != PLFX_OK ||
+        scene_views(&lut, &views) != PLFX_OK) {
+        return 0;
+    }
+    how.noise_q4 = (uint16_t)noise_q4;
+    return plfx_frame(&plan, &how, &views, NULL, &map, scene_ws(), SCENE_WS) == PLFX_OK
+               ? crc_map()
+               : 0;
+}
+
+static uint32_t run_frame_stream(void)
+{
+    return frame(PLFX_PRESET_STREAM, 0);
+}
+
+static uint32_t run_frame_onboard(void)
+{
+    return frame(PLFX_PRESET_ONBOARD, 0);
+}
+
+static uint32_t run_frame_precise(void)
+{
+    return frame(PLFX_PRESET_PRECISE, 16);
+}
+
 /* Map rows of the stream, put where the frame driver would put them. */
 static plfx_status pop_all(plfx_stream *s, const plfx_map *map, int32_t ready)
 {
@@ -486,6 +523,9 @@ const golden_stage golden_stages[] = {
     {"depth", run_depth, 0x1a0032e8u},
     {"stream small", run_stream_small, 0xab2cfd99u},
     {"stream fast", run_stream_fast, 0xab2cfd99u},
+    {"frame stream", run_frame_stream, 0x4f36685bu},
+    {"frame onboard", run_frame_onboard, 0xb3224c16u},
+    {"frame precise", run_frame_precise, 0x9682d770u},
     {"drift", run_drift, 0x9f757a7cu},
     {"packet", run_packet, 0xc2bb28a9u},
     {"regions", golden_regions, 0xc7d59feau},

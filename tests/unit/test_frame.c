@@ -226,7 +226,8 @@ static double ref_error(const plfx_frame_state *s, const int32_t *in, int x, int
     double bias = 1 - pow((3 * 5 - 8. / 3) / 25, 2);
     double mean = lambda * pow(s->cfg.prior_q12 / 4096., 2);
     double sum = 0;
-    double pull = lambda * s->cfg.prior_q12 / 4096.;
+    double pull = 29. / 16 * lambda * s->cfg.prior_q12 / 4096.;
+    double kept = 156 / 256.;
     int i;
     int k;
 
@@ -244,7 +245,7 @@ static double ref_error(const plfx_frame_state *s, const int32_t *in, int x, int
         sum += b * b / 9 / bias;
     }
     sum = sum < a * mean ? a * mean : sum;
-    return sqrt(sum + pull * pull) / (a + lambda);
+    return hypot(sqrt(kept * kept * sum + pull * pull) / (a + lambda), step / 4);
 }
 
 /* One step in fixed point against double: the step is small against its error. */
@@ -294,7 +295,8 @@ static void compare_step(int taps, double tolerance)
                 assert_true(fabs(s.base[y * NX + x] - error) < 2 + 0.03 * error);
                 assert_true(fabs(s.misfit[y * NX + x] / 256. - mean) <
                             0.1 + 0.02 * mean);
-                error = sqrt(n * a / s.arms) / (a + mean / (prior * prior));
+                error = 156 / 256. * sqrt(n * a / s.arms / 2) /
+                        (a + mean / (prior * prior));
                 assert_true(fabs(s.lever[y * NX + x] / 1048576. - error) <
                             0.02 * error);
             }

@@ -193,7 +193,7 @@ static double normal(ref_rng *rng)
 
 static void noise_into(int32_t k, int32_t bits, double sigma_grey, double ramp)
 {
-    ref_rng rng = {SEED};
+    ref_rng rng = {SEED + (uint32_t)k - 1};
     double unit = (double)(1 << (bits - 8));
     int32_t i;
     int32_t j;
@@ -208,7 +208,7 @@ static void noise_into(int32_t k, int32_t bits, double sigma_grey, double ramp)
     }
 }
 
-/* Of white noise the smoothest twentieth of few blocks reads a fifth less. */
+/* Of white noise the smoothest of few blocks reads up to a third less. */
 static void noise_is_measured(void **state)
 {
     static const double sigma[] = {1, 2, 4, 8};
@@ -225,6 +225,26 @@ static void noise_is_measured(void **state)
                 fail_msg("%d bits, noise %d/16: %d (seed %x)", (int)bits,
                          (int)(16 * sigma[k]), (int)got, SEED);
             }
+        }
+    }
+}
+
+/* What chance takes off of five views is given back. */
+static void noise_of_all_views(void **state)
+{
+    static const double sigma[] = {0.5, 1, 2, 4};
+    size_t k;
+    int32_t i;
+
+    (void)state;
+    for (k = 0; k < COUNT(sigma); k++) {
+        int32_t got;
+        for (i = 0; i < N; i++) {
+            noise_into(i, 12, sigma[k], 0.8);
+        }
+        got = plfx_views_noise_q4(&views, 12, PLFX_VIEWS_ALL);
+        if (got < 16 * sigma[k] * 0.85 || got > 16 * sigma[k] * 1.1) {
+            fail_msg("noise %d/16: %d (seed %x)", (int)(16 * sigma[k]), (int)got, SEED);
         }
     }
 }
@@ -262,7 +282,8 @@ static void limits_of_noise(void **state)
 #define C(field, value, status) LIMIT(noise_args, field, value, status)
     static const limit table[] = {
         C(views.px, 0, 0),
-        C(k, -1, 0),
+        C(k, PLFX_VIEWS_ALL - 1, 0),
+        C(k, PLFX_VIEWS_ALL, 1),
         C(k, N, 0),
         C(k, N - 1, 1),
         C(views.nx, 15, 0),
@@ -286,10 +307,11 @@ static void limits_of_noise(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(like_views_pass),   cmocka_unit_test(means_apart),
-    cmocka_unit_test(clipped_views),     cmocka_unit_test(the_median_stands_anywhere),
-    cmocka_unit_test(limits_of_check),   cmocka_unit_test(noise_is_measured),
-    cmocka_unit_test(noise_of_extremes), cmocka_unit_test(limits_of_noise),
+    cmocka_unit_test(like_views_pass),    cmocka_unit_test(means_apart),
+    cmocka_unit_test(clipped_views),      cmocka_unit_test(the_median_stands_anywhere),
+    cmocka_unit_test(limits_of_check),    cmocka_unit_test(noise_is_measured),
+    cmocka_unit_test(noise_of_all_views), cmocka_unit_test(noise_of_extremes),
+    cmocka_unit_test(limits_of_noise),
 };
 
 SUITE(tests)
