@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: MIT
 """Instructions a cell of the kernels, by valgrind's callgrind.
 
-usage: icount.py PLENOFIX [--check | --update] [--key KEY]
+usage: icount.py PLENOFIX [--check | --update] [--key KEY] [--cases WORD]
 
 A cell is one sample and one label.  The counts depend on the compiler and its options, so
-each line of icount.csv has a key; without --key it is "gcc VERSION baseline".  --check fails when a count grew by over 2 % and only reports for
-unknown keys; ends with status 77 (skipped) where valgrind is missing."""
+each line of icount.csv has a key, "gcc VERSION BUILD"; --key names the build, which is
+"baseline" without it.  --check fails when a count grew by over 2 % and only reports for
+unknown keys; --cases takes those whose name begins with WORD.  Ends with status 77
+(skipped) where valgrind is missing."""
 import argparse
 import csv
 import pathlib
@@ -41,7 +43,8 @@ def count(program, name, functions):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('program')
-    parser.add_argument('--key')
+    parser.add_argument('--key', default='baseline')
+    parser.add_argument('--cases', default='')
     parser.add_argument('--check', action='store_true')
     parser.add_argument('--update', action='store_true')
     args = parser.parse_args()
@@ -50,11 +53,13 @@ def main():
         sys.exit(77)
     version = subprocess.run(['cc', '-dumpfullversion'], capture_output=True, text=True,
                              check=True).stdout.strip()
-    key = args.key or f'gcc {version} baseline'
+    key = f'gcc {version} {args.key}'
     rows = list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
     known = {(r['key'], r['case']): float(r['per_cell']) for r in rows}
     grown = 0
     for name, (functions, cells) in CASES.items():
+        if not name.startswith(args.cases):
+            continue
         per_cell = count(args.program, name, functions) / cells
         limit = known.get((key, name))
         verdict = 'not in icount.csv'
