@@ -10,7 +10,23 @@
 #define ABOVE_ALL (-(1 << 30)) /* y of a missing lens: -16384 px, */
 #define ABOVE     (-16000)     /* which no displacement brings to this row */
 
-/* Centres of lens row j: those of plfx_lut_centre(), by steps. */
+/* floor((at + i step)/64) of lenses i, in 32 bits that wrap: where they do, no lens is
+ * in use, since those lie within a pitch of the sensor. */
+static void steps(int64_t at, int32_t step, int32_t n, int32_t *restrict to)
+{
+    uint32_t whole = (uint32_t)plfx_asr_i64(at, 6);
+    uint32_t part = (uint32_t)at & 63u;
+    uint32_t wholes = (uint32_t)plfx_asr_i32(step, 6);
+    uint32_t parts = (uint32_t)step & 63u;
+    int32_t i;
+
+    for (i = 0; i < n; i++) { /* parts: under 4096 * 64 */
+        uint32_t k = (uint32_t)i;
+        to[i] = (int32_t)(whole + k * wholes + ((part + k * parts) >> 6));
+    }
+}
+
+/* Centres of lens row j: those of plfx_lut_centre(), by steps; a residual is q12. */
 static void centres(const plfx_gather *g, int32_t j, const plfx_gather_lenses *to)
 {
     const plfx_lattice *l = &g->lut->lattice;
@@ -20,16 +36,15 @@ static void centres(const plfx_gather *g, int32_t j, const plfx_gather_lenses *t
     int64_t y = (int64_t)l->origin.y_q16 * 64 + (int64_t)j * l->b.y_q22 +
                 odd * l->odd.y_q22 + 32;
     const uint8_t *r = plfx_lut_resi_row(g->lut, j);
-    int64_t has = g->lut->resi.length > 0 ? 1024 : 0;
     int32_t i;
 
-    for (i = 0; i < l->nx; i++) {
-        int64_t dx = has ? plfx_get_i16(r + 4 * i) * has : 0;
-        int64_t dy = has ? plfx_get_i16(r + 4 * i + 2) * has : 0;
-        to->x_q16[i] = plfx_sat_i32(plfx_asr_i64(x + dx, 6));
-        to->y_q16[i] = plfx_sat_i32(plfx_asr_i64(y + dy, 6));
-        x += l->a.x_q22;
-        y += l->a.y_q22;
+    steps(x, l->a.x_q22, l->nx, to->x_q16);
+    steps(y, l->a.y_q22, l->nx, to->y_q16);
+    for (i = 0; g->lut->resi.length > 0 && i < l->nx; i++) {
+        uint32_t dx = 16u * (uint32_t)plfx_get_i16(r + 4 * i);
+        uint32_t dy = 16u * (uint32_t)plfx_get_i16(r + 4 * i + 2);
+        to->x_q16[i] = (int32_t)((uint32_t)to->x_q16[i] + dx);
+        to->y_q16[i] = (int32_t)((uint32_t)to->y_q16[i] + dy);
     }
 }
 

@@ -4,6 +4,10 @@
 #include "gradient_rows.h"
 #include "fix.h"
 
+/* A smoothed difference has 29 bits and its sign, a window of products 45. */
+PLFX_STATIC_ASSERT(((1u << PLFX_BITS_MAX) - 1u) * 65536u < 1u << 28, a_slant_fits);
+PLFX_STATIC_ASSERT(PLFX_WINDOW_MAX *PLFX_WINDOW_MAX < 1 << 15, a_window_fits);
+
 /* Of one lens: what the three rows give before neighbours along the row are
  * looked at. */
 typedef struct uprights {

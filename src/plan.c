@@ -5,6 +5,13 @@
 
 #define SLOPE_LIMIT_Q16 (32 * 65536)
 
+/* The rules of NUMERICS.md for the widest window of the deepest samples. */
+#define TOP   (((uint64_t)1 << PLFX_BITS_MAX) - 1u)
+#define ITEMS ((uint64_t)PLFX_WINDOW_MAX * PLFX_WINDOW_MAX)
+PLFX_STATIC_ASSERT(TOP <= 65535u, a_difference_fits_its_column);
+PLFX_STATIC_ASSERT(PLFX_WINDOW_MAX * 65535u < 1u << 21, a_shift_ends_in_21_steps);
+PLFX_STATIC_ASSERT(ITEMS *ITEMS *TOP *TOP < (uint64_t)1 << 45, moments_fit);
+
 static int32_t method_ok(const plfx_cfg *c)
 {
     if (c->method == PLFX_METHOD_GRADIENT) {
