@@ -16,8 +16,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* In place of the maker of textures (the linker's --wrap), which reads nothing and takes
- * half a second: what it is asked for is within its bounds. */
+/* In place of the maker of textures (the linker's --wrap), which reads nothing and
+ * takes half a second: what it is asked for is within its bounds. */
 int __wrap_plft_texture_make(plft_texture *t, const plft_texture_desc *desc,
                              double texel_mm, int n);
 int __wrap_plft_texture_make(plft_texture *t, const plft_texture_desc *desc,
