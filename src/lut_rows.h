@@ -31,6 +31,18 @@ static inline const uint8_t *plfx_lut_flag_row(const plfx_lut *lut, int32_t j)
     return lut->rows ? plfx_lut_fed(lut, j, 4, 1) : lut->blob + lut->flag.offset + at;
 }
 
+/* Centres along a row of lenses, without a product a lens. */
+typedef struct plfx_lut_walk {
+    int64_t x_q22, y_q22; /* of the next from the origin, without residual, half a q16
+                             step added */
+    const uint8_t *resi;  /* its residual, NULL without */
+} plfx_lut_walk;
+
+void plfx_lut_walk_from(const plfx_lut *lut, int32_t i, int32_t j, plfx_lut_walk *w);
+
+/* plfx_lut_centre() of the next lens of the row. */
+plfx_point plfx_lut_walk_on(const plfx_lut *lut, plfx_lut_walk *w);
+
 /* `lenses`: where the blob's gains of lenses begin. */
 static inline const uint8_t *plfx_lut_gains_row(const plfx_lut *lut, int32_t j,
                                                 const uint8_t *lenses)

@@ -195,8 +195,8 @@ static void sums_of(const plfx_roi *roi, const plfx_roi_patch *p,
     uint16_t row[PLFX_ROI_SIDE];
     plfx_roi_sums view;
     plfx_roi_shared shared;
+    size_t at = 0;
     int32_t k;
-    int32_t y;
 
     product[0] = 0;
     memset(&view, 0, sizeof view);
@@ -205,14 +205,16 @@ static void sums_of(const plfx_roi *roi, const plfx_roi_patch *p,
     for (k = 0; k < roi->cfg.views; k++) {
         int32_t dx = at_q16[0] + at_q16[2] * roi->lean_q12[k][0] / 4096;
         int32_t dy = at_q16[1] + at_q16[2] * roi->lean_q12[k][1] / 4096;
+        int32_t y;
         for (y = 0; y < p->h; y++) {
             plfx_roi_warp(p, k, y, dx, dy, row);
-            plfx_roi_add(p, k, y, row, &view, roi->lens + y * p->w);
+            plfx_roi_add(p, at, row, &view, roi->lens + y * p->w);
             product[0] += products(p, k, y, row);
+            at += (size_t)p->w;
         }
         plfx_roi_close(roi->lean_q12[k], &view, all);
     }
-    shared = plfx_roi_share(roi, p, roi->lens);
+    shared = plfx_roi_share(roi, p, roi->lens, 1);
     all->apart = all->energy - shared.square;
     product[1] = product[0] - shared.product;
 }
@@ -319,7 +321,7 @@ void plfx_roi_learn(const plfx_roi *roi, plfx_roi_patch *p)
     gradients(roi, p);
     halves(roi, p);
     memset(roi->lens, 0, (size_t)p->w * (size_t)p->h * sizeof *roi->lens);
-    p->apart.ref = p->all.ref - plfx_roi_share(roi, p, roi->lens).ref;
+    p->apart.ref = p->all.ref - plfx_roi_share(roi, p, roi->lens, 1).ref;
     if (p->used * 2 < roi->cfg.views * p->w * p->h) {
         p->flags |= PLFX_ROI_SATURATED;
     }

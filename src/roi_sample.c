@@ -3,12 +3,13 @@
  * bits. */
 #include "roi_state.h"
 #include "fix.h"
+#include "lut_rows.h"
 #include "sure.h"
 
 typedef struct source {
-    const plfx_lut *lut;
     const plfx_raw *raw;
-    plfx_point shift;
+    int32_t y;             /* row over the sample, and */
+    const uint16_t *px[2]; /* its pixels and those of the next, where they are U16 */
     uint32_t clipped, black;
 } source;
 
@@ -33,19 +34,29 @@ plfx_status plfx_roi_frame_ok(const plfx_roi *roi, const plfx_roi_frame *frame)
     return plfx_raw_row_at(frame->raw, frame->raw->h - 1, &row);
 }
 
-/* Pixels x and x1 = x or x+1 of row y. */
-static void two(const plfx_raw *raw, int32_t x, int32_t x1, int32_t y, uint32_t v[2])
+static void at_row(source *s, int32_t y)
 {
+    size_t first = (size_t)plfx_clamp_i32(y, 0, s->raw->h - 1);
+    size_t step = y >= 0 && y < s->raw->h - 1 ? (size_t)s->raw->w : 0u;
+
+    s->y = y;
+    s->px[0] =
+        (const uint16_t *)(const void *)s->raw->bytes + first * (size_t)s->raw->w;
+    s->px[1] = s->px[0] + step;
+}
+
+/* Pixels x and x1 = x or x+1 of row s->y + k. */
+static void two(const source *s, int32_t x, int32_t x1, int32_t k, uint32_t v[2])
+{
+    const plfx_raw *raw = s->raw;
     uint16_t p[2] = {0, 0};
     plfx_raw_row row;
 
     if (raw->format == PLFX_RAW_U16) {
-        const uint16_t *px =
-            (const uint16_t *)(const void *)raw->bytes + (size_t)y * (size_t)raw->w;
-        p[0] = px[x];
-        p[1] = px[x1];
+        p[0] = s->px[k][x];
+        p[1] = s->px[k][x1];
     } else {
-        plfx_sure(plfx_raw_row_at(raw, y, &row));
+        plfx_sure(plfx_raw_row_at(raw, plfx_clamp_i32(s->y + k, 0, raw->h - 1), &row));
         plfx_sure(plfx_raw_unpack(&row, x, x1 - x + 1, p));
         p[1] = p[x1 - x];
     }
@@ -53,35 +64,46 @@ static void two(const plfx_raw *raw, int32_t x, int32_t x1, int32_t y, uint32_t 
     v[1] = p[1];
 }
 
-static uint32_t along(const plfx_raw *raw, int32_t x_q8, int32_t y)
+/* a*(256 - f) + b*f of 16 bits by one product. */
+static uint32_t mix(uint32_t a, uint32_t b, int32_t f)
 {
-    int32_t x = plfx_asr_i32(x_q8, 8);
-    uint32_t f = (uint32_t)(x_q8 - 256 * x);
-    int32_t k = raw->bits - 8;
-    uint32_t v[2];
-
-    two(raw, plfx_clamp_i32(x, 0, raw->w - 1), plfx_clamp_i32(x + 1, 0, raw->w - 1),
-        plfx_clamp_i32(y, 0, raw->h - 1), v);
-    return (v[0] * (256u - f) + v[1] * f + ((1u << k) >> 1)) >> k;
+    return (uint32_t)((int32_t)a * 256 + ((int32_t)b - (int32_t)a) * f);
 }
 
-/* Sample beside the centre c, less black, 16 bits. */
-static uint32_t beside(const source *s, plfx_point c, uint32_t gain_u13)
+static uint32_t along(const source *s, int32_t x_q8, int32_t k)
 {
-    int32_t x_q8 = plfx_asr_i32(c.x_q16 + s->shift.x_q16 + 128, 8);
-    int32_t y_q8 = plfx_asr_i32(c.y_q16 + s->shift.y_q16 + 128, 8);
-    int32_t y = plfx_asr_i32(y_q8, 8);
-    uint32_t f = (uint32_t)(y_q8 - 256 * y);
-    uint32_t v =
-        (along(s->raw, x_q8, y) * (256u - f) + along(s->raw, x_q8, y + 1) * f + 128u) >>
-        8;
-    uint32_t lit = v > s->black ? v - s->black : 0u;
+    const plfx_raw *raw = s->raw;
+    int32_t x = plfx_asr_i32(x_q8, 8);
+    int32_t down = raw->bits - 8;
+    uint32_t v[2];
 
+    two(s, plfx_clamp_i32(x, 0, raw->w - 1), plfx_clamp_i32(x + 1, 0, raw->w - 1), k,
+        v);
+    return (mix(v[0], v[1], x_q8 - 256 * x) + ((1u << down) >> 1)) >> down;
+}
+
+/* Sample at c, less black, 16 bits. */
+static uint32_t sample(source *s, plfx_point c, const uint16_t *gain_u13)
+{
+    int32_t x_q8 = plfx_asr_i32(c.x_q16 + 128, 8);
+    int32_t y_q8 = plfx_asr_i32(c.y_q16 + 128, 8);
+    int32_t y = plfx_asr_i32(y_q8, 8);
+    uint32_t v;
+    uint32_t lit;
+
+    if (y != s->y) {
+        at_row(s, y);
+    }
+    v = (mix(along(s, x_q8, 0), along(s, x_q8, 1), y_q8 - 256 * y) + 128u) >> 8;
+    lit = v > s->black ? v - s->black : 0u;
     if (v >= s->clipped) {
         return PLFX_ROI_UNUSED;
     }
-    lit = (lit * gain_u13 + 4096u) >> 13;
-    return lit < PLFX_ROI_UNUSED ? lit : PLFX_ROI_UNUSED;
+    if (gain_u13) {
+        lit = (lit * *gain_u13 + 4096u) >> 13;
+        lit = lit < PLFX_ROI_UNUSED ? lit : PLFX_ROI_UNUSED;
+    }
+    return lit;
 }
 
 /* From here on 16-bit samples of so many bits count as clipped. */
@@ -108,13 +130,11 @@ static void from_image(const plfx_roi *roi, const plfx_image *m, int32_t i, int3
 }
 
 /* Gains of the row, of the nearest lens that the patch knows. */
-static const uint16_t *gains(const plfx_roi *roi, const plfx_roi_patch *p, int32_t k,
-                             int32_t y)
+static const uint16_t *gains(const plfx_roi_patch *p, int32_t k, int32_t y)
 {
     int32_t h = p->h + 2 * PLFX_ROI_MARGIN;
     int32_t w = p->w + 2 * PLFX_ROI_MARGIN;
     int32_t r = plfx_clamp_i32(y + p->kj + PLFX_ROI_MARGIN, 0, h - 1);
-    (void)roi;
 
     return p->gain ? p->gain + (size_t)(k * h + r) * (size_t)w : NULL;
 }
@@ -125,8 +145,9 @@ void plfx_roi_sample(const plfx_roi *roi, const plfx_roi_frame *frame,
 {
     int32_t i = p->i0 + p->ki + x0;
     int32_t j = p->j0 + p->kj + y;
-    const uint16_t *gain = gains(roi, p, k, y);
+    const uint16_t *gain = gains(p, k, y);
     int32_t last = p->w + 2 * PLFX_ROI_MARGIN - 1;
+    plfx_lut_walk at;
     source s;
     int32_t x;
 
@@ -134,14 +155,17 @@ void plfx_roi_sample(const plfx_roi *roi, const plfx_roi_frame *frame,
         from_image(roi, frame->image, i, j, n, out);
         return;
     }
-    s.lut = roi->cfg.lut;
+    plfx_lut_walk_from(roi->cfg.lut, i, j, &at);
     s.raw = frame->raw;
-    s.shift = roi->shift[k];
     s.black = roi->cfg.tone.black_u16;
     s.clipped = clipped(roi, s.raw->bits);
+    s.y = INT32_MIN;
+    s.px[0] = s.px[1] = NULL;
     for (x = 0; x < n; x++) {
         int32_t g = plfx_clamp_i32(x0 + x + p->ki + PLFX_ROI_MARGIN, 0, last);
-        out[x] = (uint16_t)beside(&s, plfx_lut_centre(s.lut, i + x, j),
-                                  gain ? gain[g] : 8192u);
+        plfx_point c = plfx_lut_walk_on(roi->cfg.lut, &at);
+        c.x_q16 += roi->shift[k].x_q16;
+        c.y_q16 += roi->shift[k].y_q16;
+        out[x] = (uint16_t)sample(&s, c, gain ? gain + g : NULL);
     }
 }

@@ -5,25 +5,24 @@
 
 #include <string.h>
 
-void plfx_roi_add(const plfx_roi_patch *p, int32_t k, int32_t y, const uint16_t *row,
+void plfx_roi_add(const plfx_roi_patch *p, size_t at, const uint16_t *row,
                   plfx_roi_sums *view, int32_t *lens)
 {
-    size_t at = ((size_t)k * (size_t)p->h + (size_t)y) * (size_t)p->w;
     const uint16_t *ref = p->ref + at;
     const int16_t *gx = p->gx + at;
     const int16_t *gy = p->gy + at;
     int32_t x;
 
     for (x = 0; x < p->w; x++) {
-        int64_t d = (int64_t)row[x] - ref[x];
+        int32_t d = (int32_t)row[x] - ref[x]; /* 16 bits and a sign */
         if (ref[x] == PLFX_ROI_UNUSED) {
             continue;
         }
         view->clipped += row[x] == PLFX_ROI_UNUSED;
-        view->b[0] += gx[x] * d;
+        view->b[0] += gx[x] * d; /* within 32 bits */
         view->b[1] += gy[x] * d;
-        view->energy += d * d;
-        lens[x] += (int32_t)d;
+        view->energy += (uint32_t)d * (uint32_t)d;
+        lens[x] += d;
         if (ref[x] >= p->split) {
             view->bright += d;
         } else {
@@ -46,7 +45,7 @@ void plfx_roi_close(const int32_t lean_q12[2], plfx_roi_sums *view, plfx_roi_sum
 }
 
 plfx_roi_shared plfx_roi_share(const plfx_roi *roi, const plfx_roi_patch *p,
-                               const int32_t *lens)
+                               const int32_t *lens, int32_t with_ref)
 {
     size_t n = (size_t)p->w * (size_t)p->h;
     plfx_roi_shared all = {0, 0, 0};
@@ -63,6 +62,8 @@ plfx_roi_shared plfx_roi_share(const plfx_roi *roi, const plfx_roi_patch *p,
         }
         if (used > 0) {
             all.square += (int64_t)lens[s] * lens[s] / used;
+        }
+        if (used > 0 && with_ref) {
             all.product += (int64_t)lens[s] * ref / used;
             all.ref += (int64_t)ref * ref / used;
         }
@@ -117,23 +118,28 @@ void plfx_roi_linear(const plfx_roi_patch *p, const plfx_roi_sums *s, int32_t ga
 }
 
 /* Lagrange's basis over the nodes -1/2 .. 1/2 in steps of 1/4, q20. */
-static void basis(int32_t x_q24, int64_t l[5])
+static void basis(int32_t x_q24, int32_t l[5])
 {
     static const int8_t below[5] = {24, -6, 4, -6, 24};
-    int64_t t = plfx_asr_i32(x_q24, 2); /* q20, nodes at -2 .. 2, |t| < 2.5 */
+    int32_t way[5]; /* to the nodes, q20; |way| < 4.5 */
     int32_t i;
     int32_t j;
 
     for (i = 0; i < 5; i++) {
-        int64_t v = 1 << 20;
+        way[i] = plfx_asr_i32(x_q24, 2) - (i - 2) * (1 << 20);
+    }
+    for (i = 0; i < 5; i++) {
+        int32_t v = 1 << 20;
         for (j = 0; j < 5; j++) { /* |v| < 2^27 */
-            v = j == i ? v : plfx_round_shift_i64(v * (t - (j - 2) * (1 << 20)), 20);
+            if (j != i) {
+                v = (int32_t)plfx_round_shift_i64((int64_t)v * way[j], 20);
+            }
         }
         l[i] = v / below[i];
     }
 }
 
-static int64_t at_nodes(const int64_t lx[5], const int64_t ly[5], const int32_t *table)
+static int64_t at_nodes(const int32_t lx[5], const int32_t ly[5], const int32_t *table)
 {
     int64_t sum = 0;
     int32_t i;
@@ -142,7 +148,7 @@ static int64_t at_nodes(const int64_t lx[5], const int64_t ly[5], const int32_t 
     for (j = 0; j < 5; j++) {
         int64_t line = 0; /* 2^30 * 2^21 * 5 */
         for (i = 0; i < 5; i++) {
-            line += lx[i] * table[5 * j + i];
+            line += (int64_t)lx[i] * table[5 * j + i];
         }
         sum += plfx_asr_i64(line, 20) * ly[j];
     }
@@ -154,8 +160,8 @@ static int64_t at_nodes(const int64_t lx[5], const int64_t ly[5], const int32_t 
 static void invert(const plfx_roi_patch *patch, const int32_t linear[3], int32_t p[3])
 {
     const int32_t reach = 5 * (PLFX_ROI_ONE / 8);
-    int64_t lx[5];
-    int64_t ly[5];
+    int32_t lx[5];
+    int32_t ly[5];
     int32_t round;
     int32_t k;
 
@@ -187,26 +193,30 @@ static plfx_roi_sums look(const plfx_roi *roi, const plfx_roi_frame *frame,
     uint16_t row[PLFX_ROI_SIDE];
     plfx_roi_sums view;
     plfx_roi_sums all;
+    size_t at = 0;
     int32_t k;
-    int32_t y;
 
     memset(&view, 0, sizeof view);
     memset(&all, 0, sizeof all);
     memset(roi->lens, 0, (size_t)p->w * (size_t)p->h * sizeof *roi->lens);
     for (k = 0; k < roi->cfg.views; k++) {
+        int32_t *lens = roi->lens;
+        int32_t y;
         for (y = 0; y < p->h; y++) {
             plfx_roi_sample(roi, frame, p, k, y, 0, p->w, row);
-            plfx_roi_add(p, k, y, row, &view, roi->lens + y * p->w);
+            plfx_roi_add(p, at, row, &view, lens);
+            at += (size_t)p->w;
+            lens += p->w;
         }
         plfx_roi_close(roi->lean_q12[k], &view, &all);
     }
-    all.apart = all.energy - plfx_roi_share(roi, p, roi->lens).square;
+    all.apart = all.energy - plfx_roi_share(roi, p, roi->lens, 0).square;
     return all;
 }
 
 /* Lagrange's bases at a displacement. */
 typedef struct place {
-    int64_t lx[5], ly[5];
+    int32_t lx[5], ly[5];
 } place;
 
 static void place_of(const int32_t d[3], place *at)
@@ -493,6 +503,11 @@ static void fill(const plfx_roi *roi, const plfx_roi_patch *p, const int32_t d[3
     }
 }
 
+static int32_t beyond(int32_t v, int32_t limit)
+{
+    return v > limit || v < -limit;
+}
+
 /* One look and what it says; 1 when the patch should be looked at again elsewhere. */
 static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
                        plfx_roi_patch *p, plfx_roi_result *out)
@@ -502,6 +517,7 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     plfx_roi_light l;
     int32_t linear[3];
     int32_t d[3];
+    int32_t away;
     leftover left;
     place at;
 
@@ -527,21 +543,17 @@ static int32_t attempt(const plfx_roi *roi, const plfx_roi_frame *frame,
     if (l.gain_q20 < 1 << 18 || l.gain_q20 > 4 << 20) {
         out->flags |= PLFX_ROI_LIGHT;
     }
-    if (d[0] > half || d[0] < -half || d[1] > half || d[1] < -half ||
-        d[2] > PLFX_ROI_ONE / 2 || d[2] < -PLFX_ROI_ONE / 2) {
+    away = beyond(d[0], half) | beyond(d[1], half);
+    if (away | beyond(d[2], PLFX_ROI_ONE / 2)) {
         out->flags |= PLFX_ROI_RANGE;
     }
     left = residual(roi, p, &s, l, d, &at, out);
     fill(roi, p, d, &left, l.gain_q20, out);
-    if (whole(d[0]) == 0 && whole(d[1]) == 0) {
-        return 0;
-    }
-    if (d[0] > half || d[0] < -half || d[1] > half || d[1] < -half) {
+    if (away) { /* by a whole lens at least */
         p->ki += whole(d[0]);
         p->kj += whole(d[1]);
-        return 1;
     }
-    return 0;
+    return away;
 }
 
 /* Looks from the patch's place on; 1 when the last one is valid. */

@@ -78,8 +78,9 @@ plfx_status plfx_roi_frame_ok(const plfx_roi *roi, const plfx_roi_frame *frame);
 void plfx_roi_warp(const plfx_roi_patch *p, int32_t k, int32_t y, int32_t dx_q16,
                    int32_t dy_q16, uint16_t *out);
 
-/* Take row y of view k into the sums of the view and of the lenses of that row. */
-void plfx_roi_add(const plfx_roi_patch *p, int32_t k, int32_t y, const uint16_t *row,
+/* Take a row of a view, its first sample number `at` of the patch, into the sums of the
+ * view and of the lenses of that row. */
+void plfx_roi_add(const plfx_roi_patch *p, size_t at, const uint16_t *row,
                   plfx_roi_sums *view, int32_t *lens);
 
 /* Energies of the means over the views, lens by lens. */
@@ -95,9 +96,10 @@ uint32_t plfx_roi_root(uint64_t v);
 /* sqrt(a*a + b*b). */
 uint64_t plfx_roi_hypot(uint64_t a, uint64_t b);
 
-/* From sums of d over the views of each lens, |lens[]| < 2^23. */
+/* From sums of d over the views of each lens, |lens[]| < 2^23; without `with_ref` square
+ * alone. */
 plfx_roi_shared plfx_roi_share(const plfx_roi *roi, const plfx_roi_patch *p,
-                               const int32_t *lens);
+                               const int32_t *lens, int32_t with_ref);
 
 /* Add the sums of a view, its slope term by its lean, and clear them. */
 void plfx_roi_close(const int32_t lean_q12[2], plfx_roi_sums *view, plfx_roi_sums *all);

@@ -48,7 +48,7 @@ near(big['sigma_u_lens'], r['sigma_u_lens'] * (63 / 81) ** 0.5 * 0.9, 1e-7)
 s2 = 4 / 9 * (12000 + 16 ** 2) / 12000 ** 2
 near(five['sigma_u_lens'], (s2 / (63 * 5)) ** 0.5 / 0.27, 1e-7)
 near(five['sigma_slope'], (s2 / (63 * 4 * 36)) ** 0.5 / 0.27, 1e-7)
-near(r['multiply_adds_frame'], 24 * (63 * 25 * 7 + 1450 + 6), 1e-7)
+near(r['multiply_adds_frame'], 24 * (63 * 25 * 6 + 9 * 25 * 5 + 1450 + 6), 1e-7)
 near(r['raw_bit_s'], r['sensor_px'][0] * r['sensor_px'][1] * 12 * 200, 1e-7)
 near(r['records_bit_s'], (26 + 24 * 8) * 8 * 200 + (22 + 40 + 22 + 96) * 8, 1e-7)
 r['link_used_bit_s'] <= 57600 or sys.exit('over the link')

@@ -406,22 +406,18 @@ static void samples_under_black_are_black(void **s)
     assert_int_not_equal(out[0].u_q24, 0);
 }
 
-/* A view beyond the sensor's right side reads its last column, packed or not. */
-static void views_off_the_sensor_take_its_last_column(void **s)
+/* Measures a displaced scene from 16-bit and from packed frames; equal. */
+static void packed_reads_the_same(void)
 {
     static uint8_t packed[sizeof raw / 4 * 3];
-    plfx_roi_result plain;
+    plfx_roi_result plain[2];
     size_t k;
 
-    (void)s;
-    raw_cfg();
-    cfg.at[2].u_q8 = 5 * 256 + 128;
-    cfg.region[1].i = NX - 7;
     draw_raw(0, 2000);
     rest();
     draw_raw(0.02, 2000);
     measure();
-    plain = out[1];
+    memcpy(plain, out, sizeof plain);
     draw_raw(0, 2000);
     rest();
     draw_raw(0.02, 2000);
@@ -436,9 +432,34 @@ static void views_off_the_sensor_take_its_last_column(void **s)
     frame.size = sizeof packed;
     frame.format = PLFX_RAW_MONO12P;
     measure();
-    assert_int_equal(out[1].u_q24, plain.u_q24);
-    assert_int_equal(out[1].w_q24, plain.w_q24);
-    assert_int_equal(out[1].u_sigma_q24, plain.u_sigma_q24);
+    for (k = 0; k < 2; k++) {
+        assert_int_equal(out[k].u_q24, plain[k].u_q24);
+        assert_int_equal(out[k].v_q24, plain[k].v_q24);
+        assert_int_equal(out[k].w_q24, plain[k].w_q24);
+        assert_int_equal(out[k].u_sigma_q24, plain[k].u_sigma_q24);
+        assert_int_not_equal(out[k].u_q24, PLFX_ROI_NONE);
+    }
+}
+
+/* A view beyond the sensor's side reads its last column or row, packed or not. */
+static void views_off_the_sensor_take_its_last_column(void **s)
+{
+    (void)s;
+    raw_cfg();
+    cfg.at[2].u_q8 = 5 * 256 + 128;
+    cfg.region[1].i = NX - 7;
+    packed_reads_the_same();
+}
+
+static void views_off_the_sensor_take_its_last_row(void **s)
+{
+    (void)s;
+    raw_cfg();
+    cfg.at[3].v_q8 = -17 * 256 - 128; /* half a row over the first, under the last */
+    cfg.at[4].v_q8 = 17 * 256 + 128;
+    cfg.region[0].j = 6;
+    cfg.region[1].j = NY - 7;
+    packed_reads_the_same();
 }
 
 /* Lost beside the image's side: sought on the inner side only; aimed off it: found
@@ -535,6 +556,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(white_of_a_table_without_gains_is_one),
     cmocka_unit_test(samples_under_black_are_black),
     cmocka_unit_test(views_off_the_sensor_take_its_last_column),
+    cmocka_unit_test(views_off_the_sensor_take_its_last_row),
     cmocka_unit_test(regions_are_sought_inside_alone),
     cmocka_unit_test(motions_need_references_enough),
     cmocka_unit_test(references_may_be_far_apart),

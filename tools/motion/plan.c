@@ -211,12 +211,12 @@ static int memory(plft_plan_result *p, const plft_plan_camera *c,
                             : plft_fail(PLFT_USAGE, "plan: out of the core's range");
 }
 
-/* Multiply-adds as stated in roi.h and modal.h: 4 a sample, 3 for the sums, 1450 a
+/* Multiply-adds as stated in roi.h and modal.h: 6 a sample, 5 a row of a view, 1450 a
  * solution; 2 a sample of a tracker (its thinned samples are few). */
 static void work(plft_plan_result *p, const plft_plan_camera *c, const plft_plan_use *u)
 {
     p->frame_ops =
-        u->regions * (7.0 * u->w * u->h * u->views + 1450.0 + 2.0 * u->modes);
+        u->regions * ((6.0 * u->w + 5.0) * u->h * u->views + 1450.0 + 2.0 * u->modes);
     p->ops = p->frame_ops * c->rate;
 }
 
