@@ -18,6 +18,7 @@
 #include "motion/hdf5_out.h"
 #include "motion/regions.h"
 #include "motion/report.h"
+#include "motion/thin.h"
 #include "motion/uff.h"
 #include "plenofix/modal.h"
 #include "plenofix/packet.h"
@@ -26,6 +27,7 @@
 #define FRAMES_MAX 100000
 #define MODES_MAX  8
 #define NATS_Q8    2816 /* evidence of a watch at which to alarm */
+#define OVER_LEAK  5.0  /* amplitude of a mode over what leaks of the others */
 #define ONE        16777216.0
 
 typedef struct request {
@@ -155,8 +157,7 @@ static int start_modes(job *j)
         plfx_modal_cfg c = {(uint32_t)lround(j->r.rate * 1000), 0, 1, 8, 8};
         int m = k % j->modes;
         c.freq_uhz = (uint32_t)lround(j->freq[m] * 1e6);
-        c.every =
-            plfx_modal_every(c.rate_mhz, c.freq_uhz, (int32_t)lround(j->zeta[m] * 1e6));
+        c.every = plft_thin_every(j->r.rate, j->freq, j->modes, m, j->zeta[m]);
         /* A short record keeps 40 thinned samples. */
         c.every = j->frames < 40 * c.every ? (j->frames + 39) / 40 : c.every;
         c.block = (int32_t)(60.0 * j->r.rate / c.every / PLFX_MODAL_BLOCKS);
@@ -426,7 +427,26 @@ static plfx_packet_mode packed_mode(const plfx_mode *m, int region, int mode)
     return p;
 }
 
-/* Region in which the mode is strongest. */
+/* Amplitude of the other modes of the region that reaches this one's channel. */
+static double leaked(const job *j, int region, int mode)
+{
+    int every = j->modal[region * j->modes + mode].cfg.every;
+    double to = j->freq[mode];
+    double sum = 0.0;
+    int m;
+
+    for (m = 0; m < j->modes; m++) {
+        plfx_mode other;
+        if (plft_thin_apart(j->r.rate, every, j->freq[m], to) &&
+            plfx_modal_read(&j->modal[region * j->modes + m], PLFX_MODAL_BLOCKS,
+                            &other) == PLFX_OK) {
+            sum += other.amp_q8 * plft_thin_leak(j->r.rate, every, j->freq[m], to);
+        }
+    }
+    return sum;
+}
+
+/* Region in which the mode is strongest; LOST where all of it can be others' leaks. */
 static int strongest(const job *j, int mode, plfx_mode *best)
 {
     int at = 0;
@@ -436,8 +456,13 @@ static int strongest(const job *j, int mode, plfx_mode *best)
     for (k = 0; k < j->cfg.regions; k++) {
         plfx_mode m;
         if (plfx_modal_alarm(&j->modal[k * j->modes + mode],
-                             (int32_t)lround(j->r.limit * 1e6), 384, &m) == PLFX_OK &&
-            (m.flags & PLFX_MODE_VALID) && m.amp_q8 > best->amp_q8) {
+                             (int32_t)lround(j->r.limit * 1e6), 384, &m) != PLFX_OK ||
+            !(m.flags & PLFX_MODE_VALID) || m.amp_q8 <= best->amp_q8) {
+            continue;
+        }
+        if (m.amp_q8 < OVER_LEAK * leaked(j, k, mode)) {
+            best->flags |= best->flags & PLFX_MODE_VALID ? 0u : PLFX_MODE_LOST;
+        } else {
             const plfx_modal_watch *w = &j->watch[k * j->modes + mode];
             *best = m;
             at = k;
@@ -572,7 +597,10 @@ static void print_modes(job *j)
         plfx_mode best;
         int at = strongest(j, m, &best);
         if (!(best.flags & PLFX_MODE_VALID)) {
-            printf("mode %g Hz: not found\n", j->freq[m]);
+            printf("mode %g Hz: not found%s\n", j->freq[m],
+                   best.flags & PLFX_MODE_LOST
+                       ? ": what leaks of the other modes is as strong in every region"
+                       : "");
             continue;
         }
         printf(
