@@ -14,7 +14,8 @@
 #include "motion/pick.h"
 #include "sim/rng.h"
 
-#define COPIES 8 /* of a single frame, each with the camera's noise */
+#define COPIES 8  /* of a single frame, each with the camera's noise */
+#define ROUNDS 16 /* of choosing */
 
 typedef struct request {
     plft_source source;
@@ -32,8 +33,8 @@ typedef struct job {
     plfx_raw raw[PLFX_ROI_REST_MAX];
     int frames;
     plft_pick pick[PLFX_ROI_MAX];
-    int n, noisy; /* kept; left out for their standard error or the core's flags */
-    plft_pick_why why;
+    int n, noisy; /* kept; given up for their standard error or the core's flags */
+    plft_pick_places places;
 } job;
 
 /* ---- frames ---- */
@@ -125,18 +126,27 @@ static int reference(const job *j, const plft_pick *p)
     return p->i >= r[0] && p->j >= r[1] && p->i <= r[2] && p->j <= r[3];
 }
 
-static void keep_good(job *j)
+static int is_good(const job *j, const plft_pick *p)
 {
-    int n = 0, k;
+    return p->flags == 0 && p->sigma[0] <= j->r.sigma && p->sigma[1] <= j->r.sigma;
+}
+
+/* Keep what the core calls good; the number of the others, whose places are given up. */
+static int keep_good(job *j)
+{
+    int n = 0, bad, k;
 
     for (k = 0; k < j->n; k++) {
-        const plft_pick *p = &j->pick[k];
-        if (p->flags == 0 && p->sigma[0] <= j->r.sigma && p->sigma[1] <= j->r.sigma) {
-            j->pick[n++] = *p;
+        if (is_good(j, &j->pick[k])) {
+            j->pick[n++] = j->pick[k];
+        } else {
+            plft_pick_avoid(&j->places, &j->r.wish, &j->pick[k]);
         }
     }
-    j->noisy = j->n - n;
+    bad = j->n - n;
+    j->noisy += bad;
     j->n = n;
+    return bad;
 }
 
 static const char *advice(const job *j)
@@ -144,7 +154,7 @@ static const char *advice(const job *j)
     if (j->noisy > 0) {
         return "raise --sigma, or keep several frames still";
     }
-    return j->why.flat >= j->why.edge
+    return j->places.why.flat >= j->places.why.edge
                ? "put speckle on the surface, light it, or lower --texture"
                : "make --region smaller";
 }
@@ -152,7 +162,7 @@ static const char *advice(const job *j)
 /* Why there is none. */
 static int no_region(const job *j)
 {
-    const plft_pick_why *w = &j->why;
+    const plft_pick_why *w = &j->places.why;
     const char *raw = j->r.source.raw;
 
     if (w->all == 0) {
@@ -170,16 +180,20 @@ static int no_region(const job *j)
                      j->noisy, j->r.sigma, advice(j));
 }
 
+/* Choose anew without the places at which the core finds fault. */
 static int choose(job *j, const char **path, int frames)
 {
     double radius = j->r.radius > 0 ? j->r.radius : j->field.radius - 0.5;
-    int rc = plft_pick_regions(&j->field, &j->r.wish, j->pick, &j->n, &j->why);
+    int rc = plft_pick_find(&j->field, &j->r.wish, &j->places);
+    int bad = 1, round;
 
     rc = rc ? rc : read_frames(j, path, frames);
-    if (rc == 0 && j->n > 0) {
-        rc = plft_pick_check(&j->field.table.lut, j->raw, j->frames, j->r.views,
-                             fmax(radius, 1.0), &j->r.wish, j->pick, j->n);
-        keep_good(j);
+    for (round = 0; rc == 0 && bad > 0 && round < ROUNDS && j->places.n > 0; round++) {
+        rc = plft_pick_choose(&j->places, &j->r.wish, j->pick, &j->n);
+        rc = rc ? rc
+                : plft_pick_check(&j->field.table.lut, j->raw, j->frames, j->r.views,
+                                  fmax(radius, 1.0), &j->r.wish, j->pick, j->n);
+        bad = rc ? 0 : keep_good(j);
     }
     return rc ? rc : j->n == 0 ? no_region(j) : 0;
 }
@@ -322,9 +336,10 @@ static int print_json(const job *j)
                             p->sigma[2], "slope", p->slope));
     }
     root = json_pack("{s:s,s:i,s:o,s:{s:i,s:i,s:i,s:i,s:i,s:i}}", "output", j->r.out,
-                     "frames", j->frames, "regions", list, "places", "all", j->why.all,
-                     "flat", j->why.flat, "depth_edge", j->why.edge, "bad_lenses",
-                     j->why.lens, "noisy", j->noisy, "not_needed", j->why.crowded);
+                     "frames", j->frames, "regions", list, "places", "all",
+                     j->places.why.all, "flat", j->places.why.flat, "depth_edge",
+                     j->places.why.edge, "bad_lenses", j->places.why.lens, "noisy",
+                     j->noisy, "not_needed", j->places.n - j->n);
     rc = root ? plft_json_print(root) : plft_fail(PLFT_DATA, "out of memory");
     json_decref(root);
     return rc;
@@ -355,9 +370,9 @@ static int report(const job *j, int named)
     if (j->n < j->r.wish.n) {
         plft_warn(
             "%d regions where %d were wanted: of %d places %d are too flat, %d lie "
-            "across an edge in depth, %d on bad lenses, %d are too noisy",
-            j->n, j->r.wish.n, j->why.all, j->why.flat, j->why.edge, j->why.lens,
-            j->noisy);
+            "across an edge in depth, %d on bad lenses, %d tried were too noisy",
+            j->n, j->r.wish.n, j->places.why.all, j->places.why.flat,
+            j->places.why.edge, j->places.why.lens, j->noisy);
     }
     if (j->r.json) {
         return print_json(j);
@@ -497,6 +512,7 @@ int plft_cmd_select_rois(int argc, char **argv)
     for (k = 0; k < j->frames; k++) {
         plft_frame_free(&j->frame[k]);
     }
+    free(j->places.list);
     plft_field_free(&j->field);
     free(j);
     return rc;

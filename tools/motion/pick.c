@@ -16,6 +16,7 @@
 #define DISAGREE   0.10  /* lenses rms: what views of one surface differ by at most */
 #define RIM_SPREAD 0.25  /* lenses at the rim between the slopes of one surface */
 #define FINE       20000 /* lenses: so many take every place */
+#define ROUNDS     3     /* in which regions settle */
 #define TAPS       (130.0 / 144.0) /* noise of the derivative (1, -8, 0, 8, -1)/12 */
 
 typedef struct scan {
@@ -274,56 +275,88 @@ static int apart(const plft_pick_wish *w, const plft_pick *a, const plft_pick *b
     return abs(a->i - b->i) >= w->w + w->gap || abs(a->j - b->j) >= w->h + w->gap;
 }
 
-/* Distance to the nearest chosen region, in regions; 1 when none is chosen. */
-static double distance(const plft_pick_wish *w, const plft_pick *c,
-                       const plft_pick *chosen, int n)
+/* Where regions can lie: lenses between the outermost centres. */
+typedef struct reach {
+    double x, y;
+} reach;
+
+static reach reach_of(const plft_pick *list, int n)
 {
-    double least = n > 0 ? HUGE_VAL : 1.0;
+    int x0 = list[0].i, x1 = x0, y0 = list[0].j, y1 = y0, k;
+    reach r;
+
+    for (k = 1; k < n; k++) {
+        x0 = list[k].i < x0 ? list[k].i : x0;
+        x1 = list[k].i > x1 ? list[k].i : x1;
+        y0 = list[k].j < y0 ? list[k].j : y0;
+        y1 = list[k].j > y1 ? list[k].j : y1;
+    }
+    r.x = x1 > x0 ? x1 - x0 : 1;
+    r.y = y1 > y0 ? y1 - y0 : 1;
+    return r;
+}
+
+/* Squared distance to the nearest of the others, in parts of the reach, so that a long surface
+ * gets regions at both rims too: twist moves nothing else.  `self`: not counted. */
+static double distance(const reach *r, const plft_pick *c, const plft_pick *chosen,
+                       int n, int self)
+{
+    double least = 4.0; /* over any */
     int k;
 
     for (k = 0; k < n; k++) {
-        double x = (double)(c->i - chosen[k].i) / w->w;
-        double y = (double)(c->j - chosen[k].j) / w->h;
-        least = fmin(least, sqrt(x * x + y * y));
+        double x = (c->i - chosen[k].i) / r->x;
+        double y = (c->j - chosen[k].j) / r->y;
+        if (k != self) {
+            least = fmin(least, x * x + y * y);
+        }
     }
     return least;
 }
 
 static int is_free(const plft_pick_wish *w, const plft_pick *c, const plft_pick *chosen,
-                   int count)
+                   int n, int self)
 {
     int m = 0;
 
-    while (m < count && apart(w, c, &chosen[m])) {
+    while (m < n && (m == self || apart(w, c, &chosen[m]))) {
         m++;
     }
-    return m == count;
+    return m == n;
 }
 
-/* The next region: far from the others and rich in texture.  -1: none fits. */
-static int next(const plft_pick_wish *w, const plft_pick *list, int n,
-                const plft_pick *chosen, int count)
+/* Far from the others before rich in texture: what lies here has enough of it, and a
+ * place twice as far counts as much as sixteen times the texture. */
+static double worth(const reach *r, const plft_pick *c, const plft_pick *chosen, int n,
+                    int self)
+{
+    return distance(r, c, chosen, n, self) * sqrt(c->weak);
+}
+
+/* The best place for a region beside the chosen ones but `self`.  -1: none fits. */
+static int next(const plft_pick_wish *w, const reach *r, const plft_pick *list, int n,
+                const plft_pick *chosen, int count, int self)
 {
     double best = -1.0;
     int at = -1, k;
 
     for (k = 0; k < n; k++) {
-        double worth = distance(w, &list[k], chosen, count) * list[k].weak;
-        if (worth > best && is_free(w, &list[k], chosen, count)) {
-            best = worth;
+        double v = worth(r, &list[k], chosen, count, self);
+        if (v > best && is_free(w, &list[k], chosen, count, self)) {
+            best = v;
             at = k;
         }
     }
     return at;
 }
 
-static int spread_out(const plft_pick_wish *w, const plft_pick *list, int n,
-                      plft_pick *chosen)
+static int spread_out(const plft_pick_wish *w, const reach *r, const plft_pick *list,
+                      int n, plft_pick *chosen)
 {
     int count = 0, k = 0;
 
     while (count < w->n && k >= 0) {
-        k = next(w, list, n, chosen, count);
+        k = next(w, r, list, n, chosen, count, -1);
         if (k >= 0) {
             chosen[count++] = list[k];
         }
@@ -332,32 +365,33 @@ static int spread_out(const plft_pick_wish *w, const plft_pick *list, int n,
 }
 
 /* Row by row, as many as fit. */
-static int packed(const plft_pick_wish *w, const plft_pick *list, int n,
-                  plft_pick *chosen)
+static int packed(const plft_pick_wish *w, const plft_pick *list, int n, plft_pick *to)
 {
     int count = 0, k;
 
-    for (k = 0; k < n && count < w->n; k++) {
-        if (is_free(w, &list[k], chosen, count)) {
-            chosen[count++] = list[k];
+    for (k = 0; k < n; k++) {
+        if (is_free(w, &list[k], to, count, -1)) {
+            to[count++] = list[k];
         }
     }
     return count;
 }
 
-/* Spread out when that finds enough, or more than packing does. */
-static int choose(const plft_pick_wish *w, const plft_pick *list, int n,
-                  plft_pick *chosen)
+/* Each region in turn moves to the best place that the others leave. */
+static void settle(const plft_pick_wish *w, const reach *r, const plft_pick *list,
+                   int n, plft_pick *chosen, int count)
 {
-    plft_pick other[PLFX_ROI_MAX];
-    int count = spread_out(w, list, n, chosen);
-    int more = count < w->n ? packed(w, list, n, other) : 0;
+    int round, k, at;
 
-    if (more > count) {
-        memcpy(chosen, other, (size_t)more * sizeof *chosen);
-        count = more;
+    for (round = 0; round < ROUNDS; round++) {
+        for (k = 0; k < count; k++) {
+            at = next(w, r, list, n, chosen, count, k);
+            if (at >= 0 && worth(r, &list[at], chosen, count, k) >
+                               worth(r, &chosen[k], chosen, count, k)) {
+                chosen[k] = list[at];
+            }
+        }
     }
-    return count;
 }
 
 static int by_place(const void *a, const void *b)
@@ -367,6 +401,47 @@ static int by_place(const void *a, const void *b)
 
     return x->j != y->j ? (x->j < y->j ? -1 : 1) : x->i < y->i ? -1 : x->i > y->i;
 }
+
+/* Spread out; where that leaves no room for some, spread over the places of a packing. */
+int plft_pick_choose(const plft_pick_places *places, const plft_pick_wish *wish,
+                     plft_pick *picked, int *n)
+{
+    reach r = reach_of(places->list, places->n);
+    plft_pick *dense;
+    int most;
+
+    *n = spread_out(wish, &r, places->list, places->n, picked);
+    if (*n < wish->n) {
+        dense = plft_alloc((size_t)places->n, sizeof *dense);
+        if (dense == NULL) {
+            return PLFT_DATA;
+        }
+        most = packed(wish, places->list, places->n, dense);
+        if (most > *n) {
+            *n = spread_out(wish, &r, dense, most, picked);
+        }
+        free(dense);
+    }
+    settle(wish, &r, places->list, places->n, picked, *n);
+    qsort(picked, (size_t)*n, sizeof *picked, by_place);
+    return 0;
+}
+
+void plft_pick_avoid(plft_pick_places *places, const plft_pick_wish *wish,
+                     const plft_pick *bad)
+{
+    int n = 0, k;
+
+    for (k = 0; k < places->n; k++) {
+        const plft_pick *p = &places->list[k];
+        if (3 * abs(p->i - bad->i) > wish->w || 3 * abs(p->j - bad->j) > wish->h) {
+            places->list[n++] = *p;
+        }
+    }
+    places->n = n;
+}
+
+/* ---- places ---- */
 
 static int open_views(scan *s)
 {
@@ -391,30 +466,24 @@ static int open_views(scan *s)
     return rc;
 }
 
-int plft_pick_regions(const plft_field *field, const plft_pick_wish *wish,
-                      plft_pick *picked, int *n, plft_pick_why *why)
+int plft_pick_find(const plft_field *field, const plft_pick_wish *wish,
+                   plft_pick_places *places)
 {
-    plft_pick *list = NULL;
-    int left = 0, rc;
+    int rc;
     scan s;
 
     memset(&s, 0, sizeof s);
-    memset(why, 0, sizeof *why);
-    *n = 0;
+    memset(places, 0, sizeof *places);
     s.field = field;
     s.wish = wish;
     rc = open_views(&s);
     if (rc == 0) {
-        list = candidates(&s, &left, why);
-        rc = list == NULL ? PLFT_DATA : left > 0 ? find_slopes(&s) : 0;
+        places->list = candidates(&s, &places->n, &places->why);
+        rc = places->list == NULL ? PLFT_DATA : places->n > 0 ? find_slopes(&s) : 0;
     }
-    if (rc == 0 && left > 0) {
-        drop_edges(&s, list, &left, why);
-        *n = choose(wish, list, left, picked);
-        why->crowded = left - *n;
-        qsort(picked, (size_t)*n, sizeof *picked, by_place);
+    if (rc == 0 && places->n > 0) {
+        drop_edges(&s, places->list, &places->n, &places->why);
     }
-    free(list);
     free(s.views.px);
     plft_slopes_free(&s.map);
     return rc;

@@ -25,13 +25,29 @@ typedef struct plft_pick {
 } plft_pick;
 
 typedef struct plft_pick_why { /* candidates, and what spoke against them */
-    int all, flat, lens, edge, crowded;
+    int all, flat, lens, edge;
 } plft_pick_why;
 
-/* The best wish->n regions, spread over the picture: picked[wish->n], count in *n.
- * Fewer, even 0, when there are not as many; `why` tells.  0 or PLFT_DATA. */
-int plft_pick_regions(const plft_field *field, const plft_pick_wish *wish,
-                      plft_pick *picked, int *n, plft_pick_why *why);
+typedef struct plft_pick_places { /* where a region can lie */
+    plft_pick *list;              /* free() it */
+    int n;
+    plft_pick_why why;
+} plft_pick_places;
+
+/* All places with texture on one surface; n may be 0: `why` tells.  0 or PLFT_DATA. */
+int plft_pick_find(const plft_field *field, const plft_pick_wish *wish,
+                   plft_pick_places *places);
+
+/* wish->n regions that do not meet, picked[wish->n], count in *n >= 1; fewer when not as
+ * many fit.  They lie far from each other, distances counted in parts of what the places
+ * span along columns and rows: on a long surface at both rims too.  places->n >= 1.
+ * 0 or PLFT_DATA. */
+int plft_pick_choose(const plft_pick_places *places, const plft_pick_wish *wish,
+                     plft_pick *picked, int *n);
+
+/* Take a place and those within a third of a region of it off the list. */
+void plft_pick_avoid(plft_pick_places *places, const plft_pick_wish *wish,
+                     const plft_pick *bad);
 
 /* Standard errors of the picked regions, n <= PLFX_ROI_MAX, by the core itself: `raw`
  * (count, 2 .. PLFX_ROI_REST_MAX) are frames of the scene at rest.  0 or PLFT_DATA. */
