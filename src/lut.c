@@ -275,10 +275,22 @@ plfx_point plfx_lut_walk_on(const plfx_lut *lut, plfx_lut_walk *w)
 
 plfx_point plfx_lut_centre(const plfx_lut *lut, int32_t i, int32_t j)
 {
-    plfx_lut_walk w;
+    const plfx_lattice *l = &lut->lattice;
+    int64_t odd = j & 1; /* terms: 2^12 * 2^31 + 2^38 < 2^44 */
+    int64_t x = (int64_t)l->origin.x_q16 * 64 + (int64_t)i * l->a.x_q22 +
+                (int64_t)j * l->b.x_q22 + odd * l->odd.x_q22;
+    int64_t y = (int64_t)l->origin.y_q16 * 64 + (int64_t)i * l->a.y_q22 +
+                (int64_t)j * l->b.y_q22 + odd * l->odd.y_q22;
+    plfx_point c;
 
-    plfx_lut_walk_from(lut, i, j, &w);
-    return plfx_lut_walk_on(lut, &w);
+    if (lut->resi.length) {
+        const uint8_t *r = plfx_lut_resi_row(lut, j) + 4 * (size_t)i;
+        x += (int64_t)plfx_get_i16(r) * 1024;
+        y += (int64_t)plfx_get_i16(r + 2) * 1024;
+    }
+    c.x_q16 = plfx_sat_i32(plfx_round_shift_i64(x, 6));
+    c.y_q16 = plfx_sat_i32(plfx_round_shift_i64(y, 6));
+    return c;
 }
 
 uint32_t plfx_lut_flags(const plfx_lut *lut, int32_t i, int32_t j)

@@ -96,8 +96,8 @@ uint32_t plfx_roi_root(uint64_t v);
 /* sqrt(a*a + b*b). */
 uint64_t plfx_roi_hypot(uint64_t a, uint64_t b);
 
-/* From sums of d over the views of each lens, |lens[]| < 2^23; without `with_ref` square
- * alone. */
+/* From sums of d over the views of each lens, |lens[]| < 2^23; without `with_ref`
+ * square alone. */
 plfx_roi_shared plfx_roi_share(const plfx_roi *roi, const plfx_roi_patch *p,
                                const int32_t *lens, int32_t with_ref);
 

@@ -131,7 +131,8 @@ static int is_good(const job *j, const plft_pick *p)
     return p->flags == 0 && p->sigma[0] <= j->r.sigma && p->sigma[1] <= j->r.sigma;
 }
 
-/* Keep what the core calls good; the number of the others, whose places are given up. */
+/* Keep what the core calls good; the number of the others, whose places are given
+ * up. */
 static int keep_good(job *j)
 {
     int n = 0, bad, k;

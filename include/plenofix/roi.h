@@ -27,10 +27,11 @@
  * error.
  *
  * Work in a frame and region of n lenses in h rows, k views: k*n samples of 3
- * multiply-adds (two more when the raw frame is packed, one with white gains) and 3 more
- * for the sums, 5*k*h to begin their rows, 1450 for the solution, 2200 when it has moved
- * by a third of a lens; at most `steps` times that when it has moved by over half a
- * lens; as much again and 2*n*(2*r+1)^2 subtractions, r = max(seek, 1), when it was lost.
+ * multiply-adds (two more when the raw frame is packed, one with white gains) and 3
+ * more for the sums, 5*k*h to begin their rows, 1450 for the solution, 2200 when it has
+ * moved by a third of a lens; at most `steps` times that when it has moved by over half
+ * a lens; as much again and 2*n*(2*r+1)^2 subtractions, r = max(seek, 1), when it was
+ * lost.
  * 24 regions of 7 x 9 lenses, 25 views, as counted on a Cortex-M7 with every product of
  * an address and three for one of 64 bits: 289,000, moved 307,000
  * (tests/bench/multiplies.py).  The rest state costs 75*42*k*n once.

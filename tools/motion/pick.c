@@ -296,8 +296,9 @@ static reach reach_of(const plft_pick *list, int n)
     return r;
 }
 
-/* Squared distance to the nearest of the others, in parts of the reach, so that a long surface
- * gets regions at both rims too: twist moves nothing else.  `self`: not counted. */
+/* Squared distance to the nearest of the others, in parts of the reach, so that a long
+ * surface gets regions at both rims too: twist moves nothing else.  `self`: not
+ * counted. */
 static double distance(const reach *r, const plft_pick *c, const plft_pick *chosen,
                        int n, int self)
 {
@@ -402,7 +403,8 @@ static int by_place(const void *a, const void *b)
     return x->j != y->j ? (x->j < y->j ? -1 : 1) : x->i < y->i ? -1 : x->i > y->i;
 }
 
-/* Spread out; where that leaves no room for some, spread over the places of a packing. */
+/* Spread out; where that leaves no room for some, spread over the places of a
+ * packing. */
 int plft_pick_choose(const plft_pick_places *places, const plft_pick_wish *wish,
                      plft_pick *picked, int *n)
 {

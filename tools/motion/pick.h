@@ -38,9 +38,10 @@ typedef struct plft_pick_places { /* where a region can lie */
 int plft_pick_find(const plft_field *field, const plft_pick_wish *wish,
                    plft_pick_places *places);
 
-/* wish->n regions that do not meet, picked[wish->n], count in *n >= 1; fewer when not as
- * many fit.  They lie far from each other, distances counted in parts of what the places
- * span along columns and rows: on a long surface at both rims too.  places->n >= 1.
+/* wish->n regions that do not meet, picked[wish->n], count in *n >= 1; fewer when not
+ * as many fit.  They lie far from each other, distances counted in parts of what the
+ * places span along columns and rows: on a long surface at both rims too.
+ * places->n >= 1.
  * 0 or PLFT_DATA. */
 int plft_pick_choose(const plft_pick_places *places, const plft_pick_wish *wish,
                      plft_pick *picked, int *n);

@@ -12,7 +12,8 @@ double plft_thin_leak(double rate, int every, double from, double to);
 int plft_thin_apart(double rate, int every, double a, double b);
 
 /* The thinning near plfx_modal_every() through which those of the n modes that are
- * apart from mode m leak least into it, all taken as equally strong in acceleration; at least 1. */
+ * apart from mode m leak least into it, all taken as equally strong in acceleration; at
+ * least 1. */
 int plft_thin_every(double rate, const double *freq, int n, int m, double damping);
 
 #endif
