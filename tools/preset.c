@@ -133,8 +133,9 @@ static int run(plft_preset *p, const plfx_plan *plan, const plfx_views *views,
     size_t n;
     void *ws;
     plfx_status status;
-    int noise = p->noise >= 0 ? (int)lround(16 * p->noise)
-                              : plfx_views_noise_q4(views, plan->cfg.bits, 0);
+    int noise = p->noise >= 0
+                    ? (int)lround(16 * p->noise)
+                    : plfx_views_noise_q4(views, plan->cfg.bits, PLFX_VIEWS_ALL);
 
     p->frame.noise_q4 = (uint16_t)(noise < 0 ? 0 : noise > 256 ? 256 : noise);
     n = plfx_frame_ws(plan, &p->frame);
