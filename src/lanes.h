@@ -241,6 +241,8 @@ static inline void plfx_won_fit(const plfx_won *restrict w, int32_t labels, int3
 
     LANES(i)
     {
+        /* Every lane has a winner. */
+        /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
         int16_t l = (int16_t)(w->at[i] >> PLFX_LANE_BITS);
         int16_t inner = (int16_t)(-(l > 0) & -(l < last));
         int16_t f = plfx_lane_vertex_q4((uint16_t)(w->next[i] - w->best[i]),

@@ -4,6 +4,7 @@
 #define PLENOFIX_SRC_REFINE_STATE_H
 
 #include "frame_state.h"
+#include "fix.h"
 
 #define PLFX_TUKEY_STEPS 256
 #define PLFX_MISFIT_BINS 1024 /* 32 an octave */
@@ -43,7 +44,7 @@ static inline plfx_sums *plfx_refine_row(const plfx_frame_state *s,
 
 static inline uint32_t plfx_cut_u32(uint64_t v)
 {
-    return v < UINT32_MAX ? (uint32_t)v : UINT32_MAX;
+    return (uint32_t)plfx_clamp_i64((int64_t)v, 0, UINT32_MAX); /* v < 2^63 */
 }
 
 /* What a standard error needs of pixel `at`. */

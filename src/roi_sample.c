@@ -53,6 +53,7 @@ static void two(const source *s, int32_t x, int32_t x1, int32_t k, uint32_t v[2]
     plfx_raw_row row;
 
     if (raw->format == PLFX_RAW_U16) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): at_row() came before */
         p[0] = s->px[k][x];
         p[1] = s->px[k][x1];
     } else {
@@ -160,7 +161,8 @@ void plfx_roi_sample(const plfx_roi *roi, const plfx_roi_frame *frame,
     s.black = roi->cfg.tone.black_u16;
     s.clipped = clipped(roi, s.raw->bits);
     s.y = INT32_MIN;
-    s.px[0] = s.px[1] = NULL;
+    s.px[0] = NULL;
+    s.px[1] = NULL;
     for (x = 0; x < n; x++) {
         int32_t g = plfx_clamp_i32(x0 + x + p->ki + PLFX_ROI_MARGIN, 0, last);
         plfx_point c = plfx_lut_walk_on(roi->cfg.lut, &at);

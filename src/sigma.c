@@ -15,7 +15,7 @@
 #define SCORE_MAX  (1 << 24) /* 9 of them squared, 289 times: under 2^63 */
 #define ROOT_MAX   ((uint64_t)1 << 31)
 #define MISFIT_TOP ((uint64_t)1 << 24) /* by A >> 8 under 2^63 */
-#define LEVER_MAX  ((uint64_t)1 << 24)
+#define LEVER_MAX  ((int64_t)1 << 24)
 #define PULL_Q4    29u /* 1.8 priors: a winner that little texture holds is worse */
 
 /* A (e(q) - e(p) - step) - B in columns, q2. */
@@ -133,5 +133,5 @@ void plfx_sigma_pixel(const plfx_frame_state *s, const plfx_refine_work *t,
     root = plfx_isqrt_u64((uint64_t)v->samples * (uint64_t)v->a / (uint32_t)s->arms /
                           (s->cfg.rival_q8 ? 2u : 1u));
     root = ((root * kept_q8(s)) << 14) / norm;
-    s->lever[at] = (uint32_t)(root < LEVER_MAX ? root : LEVER_MAX);
+    s->lever[at] = (uint32_t)plfx_clamp_i64((int64_t)root, 0, LEVER_MAX); /* < 2^54 */
 }

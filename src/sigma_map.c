@@ -89,7 +89,7 @@ static void count_outside(const plfx_frame_state *s, const int32_t *e, int32_t y
 
     for (x = plfx_max_i32(0, -dx); x < plfx_min_i32(s->nx, s->nx - dx); x++) {
         int32_t d = there[x + dx] - here[x];
-        count[x] = (uint8_t)(count[x] + (d >= gate || d <= -gate));
+        count[x] = (uint8_t)(count[x] + (plfx_max_i32(d, -d) >= gate));
     }
 }
 

@@ -125,11 +125,12 @@ static void carve_ringed(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 {
     plfx_ringed dry;
     plfx_ringed *r = plfx_take(a, 1, sizeof *r);
+    plfx_ringed *to = r ? r : &dry;
 
-    plfx_ringed_carve(r ? r : &dry, c->plan, a);
+    plfx_ringed_carve(to, c->plan, a);
     if (s) {
         s->ringed = r;
-        s->below = r->below + c->plan->cfg.window / 2;
+        s->below = to->below + c->plan->cfg.window / 2;
     }
 }
 

@@ -18,6 +18,7 @@ REST = 8
 # Of normal noise a share of 0.0027 lies over 3 standard errors and 7e-6 over 4.5: numbers
 # over 3 that no flag marks are expected, over 4.5 none is.
 SPOILT, CHANCE, SURE = 3.0, 0.0027, 4.5
+MANY = 5000  # numbers that tell a share of 1 % from chance
 MM_SLOPE, MM_LENS = -684.12, 1.125
 
 
@@ -174,18 +175,23 @@ def check_flags(r, bad, caught, seen):
     what = (f'off by over 3 stated errors: {bad[SPOILT]}, flagged {caught[SPOILT]}; of the '
             f'{missed} others chance explains {chance:.0f}; flagged of the rest')
     sure = f'off by over 4.5 stated errors, beyond chance: {bad[SURE]}, flagged {caught[SURE]}'
-    if spoilt >= 40:
+    enough = seen >= MANY
+    if spoilt >= 40 and enough:
         r.judge(what, 100 * caught[SPOILT] / spoilt, '95 %', caught[SPOILT] >= 0.95 * spoilt,
                 ' %')
     else:
-        r.skip(what, 'too few for 95 %')
+        r.skip(what, 'too few for 95 %, or a flight too short to take off chance')
     if bad[SURE] >= 40:
         r.judge(sure, 100 * caught[SURE] / bad[SURE], '95 %', caught[SURE] >= 0.95 * bad[SURE],
                 ' %')
     else:
         r.skip(sure, 'too few for 95 %')
-    r.judge('valid numbers off by over 3 stated errors', 100 * missed / seen,
-            f'1 % (chance: {100 * CHANCE:.2g} %)', missed <= 0.01 * seen, ' %')
+    rare = 'valid numbers off by over 3 stated errors'
+    if enough:
+        r.judge(rare, 100 * missed / seen, f'1 % (chance: {100 * CHANCE:.2g} %)',
+                missed <= 0.01 * seen, ' %')
+    else:
+        r.skip(rare, f'{missed} of {seen}: too few, and those of one moment go together')
 
 
 def check_motion(r, d, rows, truth, regions):

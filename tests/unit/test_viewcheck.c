@@ -282,6 +282,7 @@ static void limits_of_noise(void **state)
 #define C(field, value, status) LIMIT(noise_args, field, value, status)
     static const limit table[] = {
         C(views.px, 0, 0),
+        C(views.n, 0, 0),
         C(k, PLFX_VIEWS_ALL - 1, 0),
         C(k, PLFX_VIEWS_ALL, 1),
         C(k, N, 0),
