@@ -125,8 +125,10 @@ static void carve_ringed(state *s, const plfx_stream_cfg *c, plfx_arena *a)
 {
     plfx_ringed dry;
     plfx_ringed *r = plfx_take(a, 1, sizeof *r);
-    plfx_ringed *to = r ? r : &dry;
+    plfx_ringed *to;
 
+    memset(&dry, 0, sizeof dry);
+    to = r ? r : &dry;
     plfx_ringed_carve(to, c->plan, a);
     if (s) {
         s->ringed = r;
