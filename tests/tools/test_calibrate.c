@@ -148,49 +148,6 @@ static void order_refuses_disorder(void **state)
     assert_int_equal(plft_order_points(xy, 8, PLFT_LATTICE_AUTO, &o), -1);
 }
 
-/* 233,387 measured centres; the file holds even rows, then odd ones, column by
- * column. */
-static void order_of_a_real_array_is_exact(void **state)
-{
-    enum { N = 233387, NX = 539, EVEN = 217, ODD = 216 };
-    FILE *file =
-        fopen(DATA "/illum_lens_centres/illum_lenslet_locs_233387x2_f32le.bin", "rb");
-    unsigned char *raw;
-    double *xy;
-    plft_order o;
-    int k;
-
-    (void)state;
-    if (file == NULL) {
-        print_message("# no ../shared/data/illum_lens_centres\n");
-        skip();
-        return;
-    }
-    raw = malloc(8u * N);
-    xy = malloc(2u * N * sizeof *xy);
-    assert_int_equal(fread(raw, 8, N, file), N);
-    fclose(file);
-    for (k = 0; k < 2 * N; k++) {
-        const uint32_t bits = (uint32_t)raw[4 * k] | (uint32_t)raw[4 * k + 1] << 8 |
-                              (uint32_t)raw[4 * k + 2] << 16 |
-                              (uint32_t)raw[4 * k + 3] << 24;
-        float v;
-        memcpy(&v, &bits, sizeof v);
-        xy[k] = v;
-    }
-    assert_int_equal(plft_order_points(xy, N, PLFT_LATTICE_AUTO, &o), 0);
-    assert_int_equal(o.placed, N);
-    for (k = 0; k < N; k++) {
-        const int even = k < NX * EVEN, q = even ? k : k - NX * EVEN;
-        const int rows = even ? EVEN : ODD;
-        assert_int_equal(o.col[k], q / rows);
-        assert_int_equal(o.row[k], 2 * (q % rows) + !even);
-    }
-    plft_order_free(&o);
-    free(raw);
-    free(xy);
-}
-
 static void straight_columns_are_turned(void **state)
 {
     draw_spec s = plain;
@@ -384,7 +341,6 @@ int main(void)
         cmocka_unit_test(nearest_lens_is_found),
         cmocka_unit_test(order_survives_distortion_and_holes),
         cmocka_unit_test(order_refuses_disorder),
-        cmocka_unit_test(order_of_a_real_array_is_exact),
         cmocka_unit_test(straight_columns_are_turned),
         cmocka_unit_test(frames_dark_and_mosaic),
         cmocka_unit_test(gains_flatten_a_white_frame),
