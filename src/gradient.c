@@ -39,8 +39,8 @@ size_t plfx_gradient_ws(const plfx_plan *plan)
     return a.used;
 }
 
-/* Row y-1 (side 0) or y+1 of a view: on a hexagonal lattice displaced by the
- * odd-row step, so that columns line up. */
+/* Row y-1 (side 0) or y+1 of a view: on a hexagonal lattice displaced by the odd-row
+ * step, so that columns line up. */
 static const uint16_t *beside(const state *s, int32_t view, int32_t side, int32_t y)
 {
     plfx_shift shift = {0, 0, 2 * side - 1, 0};
@@ -64,9 +64,8 @@ static plfx_slants resting(const state *s, int32_t y)
     return d;
 }
 
-/* Row y enters the columns, row y - window leaves them; it rests where y + 1
- * will. */
-static void enter(const state *s, int32_t y)
+/* Row y enters the columns, row y - window leaves them; it rests where y + 1 will. */
+static void add_row(const state *s, int32_t y)
 {
     plfx_strips strips;
     plfx_slants in = resting(s, y);
@@ -89,8 +88,7 @@ typedef struct window_sums {
     int64_t num, xx, yy, xy;
 } window_sums;
 
-/* What every lens of a row shares, out of reach of what is written to the map.
- */
+/* What every lens of a row shares, out of reach of what is written to the map. */
 typedef struct shared {
     int64_t xx_q12, yy_q12; /* weights of the energies */
     int64_t area;
@@ -140,12 +138,11 @@ static void edge(const plfx_map *row, int32_t x0, int32_t x1)
     }
 }
 
-/* Windows with their stencils inside the map: lenses r+1 .. nx-2-r.  Column 0
- * is 0. */
+/* Windows with their stencils inside the map: lenses r+1 .. nx-2-r.  Column 0 is 0. */
 static void target_row(const state *s, const plfx_map *row)
 {
     const shared like = of_row(s->plan, row);
-    const plfx_sums col = s->col;
+    const plfx_slant_sums col = s->col;
     int32_t end = s->plan->nx - 1;
     int32_t w = s->plan->cfg.window;
     int32_t r = w / 2;
@@ -175,15 +172,19 @@ void plfx_gradient_begin(state *s, int32_t y0)
     memset(s->col.yy, 0, nx * sizeof(int64_t));
     memset(s->col.xy, 0, nx * sizeof(int64_t));
     memset(s->slants, 0, 4u * (s->plan->cfg.window + 1u) * nx * sizeof(int16_t));
-    s->first = y0 - s->plan->cfg.window / 2;
-    s->next = s->first;
+    s->next = y0 - s->plan->cfg.window / 2;
+}
+
+void plfx_gradient_enter(state *s, int32_t y)
+{
+    for (; s->next <= y; s->next++) {
+        add_row(s, s->next);
+    }
 }
 
 void plfx_gradient_row(state *s, int32_t y, const plfx_map *row)
 {
-    for (; s->next <= y + s->plan->cfg.window / 2; s->next++) {
-        enter(s, s->next);
-    }
+    plfx_gradient_enter(s, y + s->plan->cfg.window / 2);
     target_row(s, row);
 }
 

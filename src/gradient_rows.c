@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Sums stay in 32 bits: the factor of the derivative, 109, is taken last, and
- * the product of 36 bits is rounded in two parts. */
+ * Derivatives of rows and their products.  Sums stay in 32 bits: the factor of the
+ * derivative, 109, is taken last, and its product of 36 bits is rounded in two
+ * parts. */
 #include "gradient_rows.h"
 #include "fix.h"
 
@@ -8,21 +9,14 @@
 PLFX_STATIC_ASSERT(((1u << PLFX_BITS_MAX) - 1u) * 65536u < 1u << 28, a_slant_fits);
 PLFX_STATIC_ASSERT(PLFX_WINDOW_MAX *PLFX_WINDOW_MAX < 1 << 15, a_window_fits);
 
-/* Of one lens: what the three rows give before neighbours along the row are
- * looked at. */
-typedef struct uprights {
-    uint32_t *x; /* smoothed along y and u: 28 bits */
-    uint32_t *y; /* difference along y, smoothed along v: 21 bits and sign */
-    uint32_t *u; /* difference along u, smoothed along y: 21 bits and sign */
-    uint32_t *v; /* along v, likewise */
-} uprights;
-
 static uint32_t smooth(uint32_t before, uint32_t at, uint32_t after)
 {
     return PLFX_P_SIDE * (before + after) + PLFX_P_MID * at;
 }
 
-/* Differences wrap below zero and come back when read as signed. */
+/* Of one lens, what the three rows give before neighbours along the row are looked at.
+ * x: smoothed along y and u, 28 bits.  u: difference along u, smoothed along y, 21 bits
+ * and sign; differences wrap below zero and come back when read as signed. */
 static void along_u(const plfx_strips *in, int32_t nx, uint32_t *restrict x,
                     uint32_t *restrict u)
 {
@@ -50,6 +44,8 @@ static void along_u(const plfx_strips *in, int32_t nx, uint32_t *restrict x,
     }
 }
 
+/* y: difference along y, smoothed along v; v: along v, smoothed along y; 21 bits and
+ * sign each. */
 static void along_v(const plfx_strips *in, int32_t nx, uint32_t *restrict y,
                     uint32_t *restrict v)
 {
@@ -73,8 +69,7 @@ static void along_v(const plfx_strips *in, int32_t nx, uint32_t *restrict y,
     }
 }
 
-/* floor(109 t / 2^20 + 1/2) of a t of 29 bits and sign, read from its low 32
- * bits. */
+/* floor(109 t / 2^20 + 1/2) of a t of 29 bits and sign, read from its low 32 bits. */
 static int16_t slant_q4(uint32_t t)
 {
     int32_t high = plfx_asr_i32((int32_t)t, 12);
@@ -142,7 +137,7 @@ static void square(int64_t *restrict sum, const int16_t *restrict a,
     }
 }
 
-void plfx_gradient_columns(const plfx_sums *sum, const plfx_slants *in,
+void plfx_gradient_columns(const plfx_slant_sums *sum, const plfx_slants *in,
                            const plfx_slants *out, int32_t nx, int32_t col_q12,
                            int32_t row_q12)
 {

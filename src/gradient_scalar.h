@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Per-lens arithmetic of the least-squares gradient, in the common subset of
- * C99 and OpenCL C. */
+ * Per-lens arithmetic of the least-squares gradient, in the common subset of C99 and
+ * OpenCL C. */
 #ifndef PLENOFIX_SRC_GRADIENT_SCALAR_H
 #define PLENOFIX_SRC_GRADIENT_SCALAR_H
 
@@ -34,8 +34,7 @@ static inline int64_t plfx_steps_q16(int64_t num, int64_t den)
     return num < 0 ? -q : q;
 }
 
-/* num/den as a slope: |slope| saturates at 8.  INT32_MIN where den is not
- * over 0. */
+/* num/den as a slope: |slope| saturates at 8.  INT32_MIN where den is not over 0. */
 static inline int32_t plfx_ratio_q16(int64_t num, int64_t den, int64_t du_q8)
 {
     int64_t q;

@@ -25,7 +25,7 @@ static void measure(plfx_ringed *r, const plfx_plan *plan)
     r->margin = plan->cfg.window / 2 + gradient;
     r->below = gradient ? 1 : plan->reach_y;
     r->above = plfx_max_i32(r->below, plan->cfg.texture > 0);
-    r->depth = plan->cfg.window + 1 + r->above + r->below;
+    r->depth = r->above + 1 + r->below + (gradient ? 0 : plan->cfg.window);
 }
 
 static void carve_zncc(plfx_ringed *r, plfx_arena *a)
@@ -78,11 +78,16 @@ void plfx_ringed_start(plfx_ringed *r, int32_t y0)
     }
 }
 
+/* Sums of the gradient take row j - 1 at once: its own rows of derivatives are what a
+ * window keeps of it. */
 void plfx_ringed_put(const plfx_ringed *r, int32_t j, const uint16_t *rows)
 {
     size_t len = (size_t)r->plan->cfg.n * (size_t)r->plan->nx;
 
     memcpy(r->px + (size_t)(j % r->depth) * len, rows, len * sizeof(uint16_t));
+    if (r->gradient) {
+        plfx_gradient_enter(r->gradient, j - 1);
+    }
 }
 
 void plfx_ringed_row(plfx_ringed *r, int32_t y, const plfx_map *row)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * Methods that look at rows of the views more than once, fed row by row: pairs by
- * zero-mean NCC, least-squares gradient.  The rows that a window, the window before it
- * and what lies around them need are kept in a ring. */
+ * zero-mean NCC, least-squares gradient.  A ring keeps the rows that the next step
+ * needs: of NCC those of a window, of the window before it and around them; of the
+ * gradient three, as its derivatives rest in rows of their own. */
 #ifndef PLENOFIX_SRC_RINGED_H
 #define PLENOFIX_SRC_RINGED_H
 

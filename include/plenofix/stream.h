@@ -35,7 +35,8 @@ extern "C" {
 typedef enum plfx_profile {
     PLFX_PROFILE_SMALL = 0, /* least memory: view rows at rest in 8 or 12 bits a sample,
                                leaving costs computed again; ARMS does so in both.
-                               NCC and GRADIENT keep the rows of a window in both */
+                               NCC keeps the rows of a window in both, GRADIENT
+                               their derivatives */
     PLFX_PROFILE_FAST       /* a ring of cost rows (SWEEP of 3 and more views) or of
                                striped view rows, cached lens centres */
 } plfx_profile;
@@ -139,8 +140,9 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
                      PLFX_STREAM_MORE(128u * (labels), 256u * (median) * (median))) +  \
                  (labels) * (3u * ((nx) + 2u) + 2u * (arms) * (nx)))
 
-/* The same for pairs by NCC, up to 3 times over where labels are whole lenses;
- * reach_y as in the plan, open as above. */
+/* The same for pairs by NCC and for the gradient; reach_y as in the plan, open as
+ * above.  They are a fifth too wide for 289x193 lenses, several times for a handful of
+ * lenses or labels of whole lenses. */
 #define PLFX_STREAM_TAPS(nx, packed_w, n, open, fast)                                  \
     ((open) * (2u * (n) * (nx) + ((fast) ? 9u * (nx) + 256u : 0u)) +                   \
      ((fast) ? 2u * (packed_w) : 0u) + 2u * (nx) + 8u * (n))
@@ -156,15 +158,13 @@ size_t plfx_stream_ws(const plfx_stream_cfg *cfg);
         (8u * (n) + 64u) * (PLFX_STREAM_WIDE(nx, window, lanes) +                      \
                             (2u * (reach) + (window) + 2u) * (lanes)))
 
-/* The same for the gradient. */
 #define PLFX_STREAM_GRADIENT_WS(nx, packed_w, window, open, fast)                      \
     PLFX_ALIGNED(4096u + PLFX_STREAM_TAPS(nx, packed_w, 5u, open, fast) +              \
-                 (nx) * (18u * ((window) + 3u) + 60u))
+                 (nx) * (8u * (window) + 98u))
 
 /* PLFX_OK, PLFX_E_ARG (a field out of range; settings of ARMS that do not stream),
- * PLFX_E_SIZE (ws NULL, not aligned
- * to PLFX_ALIGN, or shorter than plfx_stream_ws()), PLFX_E_RANGE (the table needs more
- * open rows). */
+ * PLFX_E_SIZE (ws NULL, not aligned to PLFX_ALIGN, or shorter than plfx_stream_ws()),
+ * PLFX_E_RANGE (the table needs more open rows). */
 plfx_status plfx_stream_init(plfx_stream *s, const plfx_stream_cfg *cfg, void *ws,
                              size_t ws_size) PLFX_MUST_USE;
 
