@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * The order of a real array's 233,387 measured centres.  Skipped as a whole where the
- * file is missing: CMocka's skip() prints "not ok", which TAP readers count as failed. */
+ * file is missing: CMocka's skip() prints "not ok", which counts as failed. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -60,7 +60,8 @@ int main(void)
     };
     int failed;
 
-    file = fopen(DATA "/illum_lens_centres/illum_lenslet_locs_233387x2_f32le.bin", "rb");
+    file =
+        fopen(DATA "/illum_lens_centres/illum_lenslet_locs_233387x2_f32le.bin", "rb");
     if (file == NULL) {
         printf("1..0 # SKIP no ../shared/data/illum_lens_centres\n");
         return 0;

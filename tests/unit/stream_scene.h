@@ -5,6 +5,7 @@
 #define PLENOFIX_TEST_STREAM_SCENE_H
 
 #include "suite.h"
+#include "plenofix/frame.h"
 #include "plenofix/preset.h"
 #include "plenofix/stream.h"
 #include "ref.h"
@@ -241,11 +242,13 @@ static inline void correlate(plfx_cfg *c, const plfx_lattice *l, ref_rng *rng)
     }
 }
 
-static inline int make(scene *sc, ref_rng *rng)
+/* A scene of a kind; 0: its plan or table does not fit. */
+static inline int make(scene *sc, int32_t kind, ref_rng *rng)
 {
     int32_t bits = 8 + 2 * ref_range(rng, 0, 2);
     plfx_cfg c = random_cfg(rng, ref_range(rng, 8, 12));
 
+    sc->kind = kind;
     if (sc->kind == ARMS) {
         spread(sc, &c, rng);
     }
@@ -266,7 +269,24 @@ static inline int make(scene *sc, ref_rng *rng)
     sc->tone.dy_q8 = (int16_t)ref_range(rng, -256, 256);
     expose(sc, rng, bits);
     return plfx_plan_init(&sc->plan, &c, &sc->lut, sc->lut.lattice.nx,
-                          sc->lut.lattice.ny) == PLFX_OK;
+                          sc->lut.lattice.ny) == PLFX_OK &&
+           plfx_stream_open_rows(&sc->lut, &sc->plan, &sc->tone) > 0 &&
+           (kind != ARMS || plfx_frame_ws(&sc->plan, &sc->frame) > 0);
+}
+
+/* The first seed whose scene fits and has some rows. */
+static inline scene some_scene(int32_t kind)
+{
+    scene sc;
+
+    for (uint32_t seed = 1; seed < 100; seed++) {
+        ref_rng rng = {seed};
+        if (make(&sc, kind, &rng) && sc.plan.ny > 8) {
+            return sc;
+        }
+    }
+    fail_msg("no scene");
+    return sc;
 }
 
 static inline plfx_map map_of(planes *p, const plfx_plan *plan)

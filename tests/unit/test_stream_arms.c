@@ -1,28 +1,18 @@
 /* SPDX-License-Identifier: MIT
  * Arms of views in the stream against plfx_view_all() and plfx_frame(): the same bits
  * over random tables, views, settings, packings and regions of rows. */
-#include "stream_scene.h"
+#include "stream_run.h"
 #include "frame_state.h"
 
-static uint16_t samples[CELLS * MAX_N];
-
-static void whole_frame(const scene *sc)
+static plfx_status match_views(const scene *sc, const plfx_views *v, const plfx_map *m)
 {
-    plfx_views v = {samples, sc->plan.nx, sc->plan.ny, sc->plan.cfg.n};
-    plfx_map m = map_of(&want, &sc->plan);
-
-    assert_int_equal(
-        plfx_view_all(&sc->lut, &sc->raw, &sc->tone, sc->plan.cfg.at, sc->white, &v),
-        PLFX_OK);
-    assert_true(plfx_frame_ws(&sc->plan, &sc->frame) <= WS_BYTES);
-    assert_int_equal(
-        plfx_frame(&sc->plan, &sc->frame, &v, NULL, &m, workspace(), WS_BYTES),
-        PLFX_OK);
+    return plfx_frame(&sc->plan, &sc->frame, v, NULL, m, workspace(), WS_BYTES);
 }
 
-/* The bound of the macro for a configuration: arms as frame.h divides them. */
-static size_t bound_of(const plfx_plan *p, const plfx_stream_cfg *c)
+/* Arms as frame.h divides them. */
+static size_t bound_of(const plfx_stream_cfg *c)
 {
+    const plfx_plan *p = c->plan;
     plfx_frame_state s;
     size_t most = 0;
 
@@ -39,89 +29,10 @@ static size_t bound_of(const plfx_plan *p, const plfx_stream_cfg *c)
         c->profile == PLFX_PROFILE_FAST);
 }
 
-/* One frame, or the middle of one after an abandoned start. */
-static void stream_once(const scene *sc, ref_rng *rng, int32_t profile, unsigned seed)
-{
-    plfx_stream_cfg c = stream_cfg(sc, profile);
-    plfx_stream s;
-    int32_t next;
-    int32_t first = 0;
-    int32_t last;
-    size_t need;
-
-    if (ref_range(rng, 0, 1) == 0) {
-        c.j0 = ref_range(rng, 0, sc->plan.ny - 1);
-        c.j1 = ref_range(rng, c.j0 + 1, sc->plan.ny);
-    }
-    need = plfx_stream_ws(&c);
-    assert_in_range(need, 1, WS_BYTES);
-    assert_true(bound_of(&sc->plan, &c) >= need);
-    memset(workspace(), (int)(seed & 255), need + 64);
-    memset(&got, 0x5a, sizeof got);
-    assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_OK);
-    next = c.j0;
-    if (ref_range(rng, 0, 2) == 0) {
-        feed(&s, sc, 0, sc->raw.h / 2, &next);
-        assert_int_equal(plfx_stream_reset(&s), PLFX_OK);
-        next = c.j0;
-    }
-    plfx_stream_rows(&s, &first, &last);
-    if (c.format == PLFX_RAW_U16 && ref_range(rng, 0, 1)) {
-        feed_bands(&s, sc, &next);
-    } else {
-        feed(&s, sc, first < sc->raw.h ? first : 0, sc->raw.h, &next);
-    }
-    assert_int_equal(next, c.j1);
-    assert_int_equal(plfx_stream_finish(&s), PLFX_OK);
-    for (size_t i = 0; i < 64; i++) {
-        assert_int_equal(workspace()[need + i], seed & 255);
-    }
-    compare(sc, c.j0, c.j1, profile, seed);
-}
-
-static int one_case(uint32_t seed)
-{
-    ref_rng rng = {seed};
-    scene sc;
-
-    sc.kind = ARMS;
-    if (!make(&sc, &rng) || plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) == 0 ||
-        plfx_frame_ws(&sc.plan, &sc.frame) == 0) {
-        return 0;
-    }
-    whole_frame(&sc);
-    stream_once(&sc, &rng, PLFX_PROFILE_SMALL, seed);
-    stream_once(&sc, &rng, PLFX_PROFILE_FAST, seed);
-    return 1;
-}
-
 static void equals_whole_frame(void **state)
 {
-    int run = 0;
-
     (void)state;
-    for (uint32_t seed = 1; seed <= 600; seed++) {
-        run += one_case(seed);
-    }
-    print_message("# %d geometries, two profiles each\n", run);
-    assert_true(run >= 500); /* the rest were plans or tables that do not fit */
-}
-
-/* The first seed whose scene fits. */
-static scene some_scene(void)
-{
-    scene sc;
-
-    sc.kind = ARMS;
-    for (uint32_t seed = 1; seed < 100; seed++) {
-        ref_rng rng = {seed};
-        if (make(&sc, &rng) && plfx_stream_open_rows(&sc.lut, &sc.plan, &sc.tone) > 0 &&
-            plfx_frame_ws(&sc.plan, &sc.frame) > 0) {
-            return sc;
-        }
-    }
-    fail_msg("no scene");
-    return sc;
+    assert_true(stream_all(ARMS, 600) >= 500); /* others do not fit */
 }
 
 static void refused(const plfx_stream_cfg *c)
@@ -135,7 +46,7 @@ static void refused(const plfx_stream_cfg *c)
 /* What needs a whole frame, or is nothing at all. */
 static void settings_that_do_not_stream(void **state)
 {
-    scene sc = some_scene();
+    scene sc = some_scene(ARMS);
     plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_SMALL);
     plfx_frame_cfg good = sc.frame;
     plfx_stream s;
@@ -164,90 +75,44 @@ static void settings_that_do_not_stream(void **state)
     refused(&c);
 }
 
-/* 16 megapixels, the stream preset: 8 views on the axes, 17 slopes. */
-static plfx_stream_cfg big(plfx_lut *lut, plfx_plan *plan, plfx_frame_cfg *frame,
-                           int32_t profile)
-{
-    plfx_stream_cfg c;
-    plfx_cfg g;
-
-    memset(lut, 0, sizeof *lut);
-    memset(&g, 0, sizeof g);
-    assert_int_equal(plfx_preset(PLFX_PRESET_STREAM, &g, frame), PLFX_OK);
-    lut->sensor_w = 4904;
-    lut->sensor_h = 3280;
-    lut->lattice.nx = 289;
-    lut->lattice.ny = 193;
-    lut->lattice.a.x_q22 = q22(16.93);
-    lut->lattice.b.y_q22 = q22(16.93);
-    g.bits = 12;
-    g.n = 9;
-    g.labels = 17;
-    g.slope_min_q16 = -10000;
-    g.slope_max_q16 = 10000;
-    for (int32_t k = 0; k < 8; k++) {
-        int16_t d = (int16_t)((k % 2 ? 6 : 3) * (k / 2 % 2 ? 256 : -256));
-        g.at[k + 1].u_q8 = k < 4 ? d : 0;
-        g.at[k + 1].v_q8 = k < 4 ? 0 : d;
-    }
-    assert_int_equal(plfx_plan_init(plan, &g, lut, 289, 193), PLFX_OK);
-    memset(&c, 0, sizeof c);
-    c.plan = plan;
-    c.lut = lut;
-    c.frame = frame;
-    c.tone = plfx_tone_unity(12);
-    c.profile = (uint8_t)profile;
-    c.format = PLFX_RAW_U16;
-    c.bits = 12;
-    c.open_rows = 2;
-    c.j1 = 193;
-    return c;
-}
-
+/* The stream preset: 8 views on the axes. */
 static void memory_of_the_large_frame(void **state)
 {
-    plfx_frame_cfg frame;
-    plfx_plan plan;
-    plfx_lut lut;
-
     (void)state;
     for (int32_t profile = 0; profile < 2; profile++) {
-        plfx_stream_cfg c = big(&lut, &plan, &frame, profile);
-        size_t need = plfx_stream_ws(&c);
-        size_t most = bound_of(&plan, &c);
+        plfx_cfg g = large_cfg();
+        plfx_stream_cfg c;
+        scene sc;
+        size_t need;
+        memset(&sc, 0, sizeof sc);
+        sc.kind = ARMS;
+        assert_int_equal(plfx_preset(PLFX_PRESET_STREAM, &g, &sc.frame), PLFX_OK);
+        g.n = 9;
+        for (int32_t k = 0; k < 8; k++) {
+            int16_t d = (int16_t)((k % 2 ? 6 : 3) * (k / 2 % 2 ? 256 : -256));
+            g.at[k + 1].u_q8 = k < 4 ? d : 0;
+            g.at[k + 1].v_q8 = k < 4 ? 0 : d;
+        }
+        c = large_stream(&sc, &g, profile);
+        need = plfx_stream_ws(&c);
         print_message("# 8 views by arms, %s: %u bytes, bound %u\n",
-                      profile ? "fast" : "small", (unsigned)need, (unsigned)most);
+                      profile ? "fast" : "small", (unsigned)need,
+                      (unsigned)bound_of(&c));
         assert_in_range(need, 1, 128 * 1024);
-        assert_true(need <= most && 100 * most <= 105 * need);
+        assert_in_range(bound_of(&c), need, need * 105 / 100);
     }
 }
 
-/* The last 64 bytes of a workspace are used: no smaller one would do. */
 static void workspace_is_needed(void **state)
 {
-    scene sc = some_scene();
-
     (void)state;
-    for (int32_t profile = 0; profile < 2; profile++) {
-        plfx_stream_cfg c = stream_cfg(&sc, profile);
-        size_t need = plfx_stream_ws(&c);
-        int32_t next = 0;
-        size_t touched = 0;
-        plfx_stream s;
-        memset(workspace(), 0x77, need);
-        assert_int_equal(plfx_stream_init(&s, &c, workspace(), need), PLFX_OK);
-        feed(&s, &sc, 0, sc.raw.h, &next);
-        for (size_t i = 0; i < need; i++) {
-            touched = workspace()[i] != 0x77 ? i + 1 : touched;
-        }
-        assert_in_range(touched, need - 64, need);
-    }
+    all_of_the_workspace_is_needed(ARMS);
 }
 
 /* Slopes alone, and each other plane alone, are those of the whole map. */
 static void maps_with_less(void **state)
 {
-    scene sc = some_scene();
+    scene sc = some_scene(ARMS);
     plfx_stream_cfg c = stream_cfg(&sc, PLFX_PROFILE_FAST);
 
     (void)state;
@@ -282,7 +147,7 @@ static void maps_with_less(void **state)
 /* Sums of arms are no sum of views. */
 static void sweep_refuses_arms(void **state)
 {
-    scene sc = some_scene();
+    scene sc = some_scene(ARMS);
     plfx_views v = {samples, sc.plan.nx, sc.plan.ny, sc.plan.cfg.n};
     plfx_map m = map_of(&want, &sc.plan);
 
