@@ -63,6 +63,7 @@ static void sweep_zncc(const plfx_plan *plan, const plfx_views *views, band b,
         plfx_zncc_map_row(&s, y, &row);
     }
 }
+
 static void sweep_sad(const plfx_plan *plan, const plfx_views *views, band b,
                       const plfx_map *out, plfx_arena *a)
 {

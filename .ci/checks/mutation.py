@@ -29,8 +29,8 @@ ARGUED = common.ROOT / 'tests' / 'mutants.txt'
 # Sources, tests that may see a mutant, mutants of the sample.
 SETS = {
     'matching': (['depth.c', 'fuse.c', 'kernels.c', 'kernels_pair.c', 'refocus.c',
-                  'sample.c', 'select.c', 'sweep_zncc.c', 'texture.c', 'winner.c',
-                  'winner_row.c', 'zncc.c', 'zncc_lanes.c', 'zncc_rows.c'],
+                  'sample.c', 'select.c', 'texture.c', 'winner.c', 'winner_row.c', 'zncc.c',
+                  'zncc_columns.c', 'zncc_lanes.c', 'zncc_rows.c'],
                  ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'golden',
                   'frame', 'lanes'], 120),
     'frames': (['arms.c', 'gradient.c', 'match_judge.c', 'median.c', 'refine.c', 'sgm.c',

@@ -13,7 +13,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).parents[2] / '.ci/checks'))
 import common  # noqa: E402
 
-KERNELS = ('kernels kernels_pair match match_judge engine sweep sweep_zncc select winner '
+KERNELS = ('kernels kernels_pair match match_judge engine sweep zncc_columns select winner '
            'texture fuse gradient view').split()
 STREAM = 'stream gather gather_fast'.split()
 LIMIT = 16 * 1024

@@ -443,8 +443,6 @@ void plft_pick_avoid(plft_pick_places *places, const plft_pick_wish *wish,
     places->n = n;
 }
 
-/* ---- places ---- */
-
 static int open_views(scan *s)
 {
     double r = s->field->radius;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Zero-mean normalised cross-correlation: exact integer moments, fixed-point
- * normalisation.  With w <= 31 rows of 12-bit samples a column of squares is under
- * 2^30; window sums under 2^35; N*S under 2^45. */
+ * Zero-mean normalised cross-correlation by column sums: exact integer moments,
+ * fixed-point normalisation.  With w <= 31 rows of 12-bit samples a column of squares
+ * is under 2^30; window sums under 2^35; N*S under 2^45. */
 #include "sweep_state.h"
 #include "fix.h"
 
