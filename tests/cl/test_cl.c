@@ -7,13 +7,16 @@
 #include "../ref/ref.h"
 #include "plenofix/cl.h"
 
-#define SIDE   48
-#define CELLS  (SIDE * SIDE)
-#define N      6
-#define RAW_W  300
-#define RAW_H  220
-#define LENS_X 24
-#define LENS_Y 17
+#define SIDE         48
+#define CELLS        (SIDE * SIDE)
+#define PLANES_CELLS CELLS
+#define N            6
+#define RAW_W        300
+#define RAW_H        220
+#define LENS_X       24
+#define LENS_Y       17
+
+#include "../unit/planes.h"
 
 static int cases = 24;
 static int32_t side = SIDE;
@@ -22,23 +25,9 @@ static uint16_t frame[RAW_W * RAW_H];
 static unsigned char blob[65536];
 static unsigned char memory[(16 << 20) + 64];
 
-typedef struct planes {
-    int32_t slope[CELLS];
-    uint16_t conf[CELLS], sigma[CELLS];
-    uint8_t flags[CELLS];
-} planes;
-static planes got, want;
-
 static unsigned char *workspace(void)
 {
     return memory + (64 - (uintptr_t)memory % 64) % 64;
-}
-
-static plfx_map map_of(planes *p, const plfx_plan *plan)
-{
-    plfx_map m = {p->slope, p->conf, p->sigma, p->flags, plan->nx, plan->ny, plan->nx};
-
-    return m;
 }
 
 static void cross(plfx_cfg *c, int16_t step)

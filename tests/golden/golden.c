@@ -440,30 +440,12 @@ static plfx_status pop_all(plfx_stream *s, const plfx_map *map, int32_t ready)
 
 static uint32_t stream(int32_t profile)
 {
-    plfx_cfg cfg = scene_cfg(PLFX_METHOD_SWEEP, PLFX_COST_SAD, PLFX_FIT_VEE);
     plfx_map map = scene_empty();
     plfx_raw raw = scene_raw();
-    plfx_stream_cfg sc;
     plfx_stream s;
-    plfx_plan plan;
-    plfx_lut lut;
     int32_t y;
 
-    memset(&sc, 0, sizeof sc);
-    if (scene_make(PLFX_LATTICE_SQUARE, &lut) == 0 ||
-        plfx_plan_init(&plan, &cfg, &lut, SCENE_NX, SCENE_NY) != PLFX_OK) {
-        return 0;
-    }
-    sc.plan = &plan;
-    sc.lut = &lut;
-    sc.tone = scene_tone();
-    sc.profile = (uint8_t)profile;
-    sc.white = 1;
-    sc.format = PLFX_RAW_U16;
-    sc.bits = SCENE_BITS;
-    sc.open_rows = plfx_stream_open_rows(&lut, &plan, &sc.tone);
-    sc.j1 = SCENE_NY;
-    if (plfx_stream_init(&s, &sc, scene_ws(), SCENE_WS) != PLFX_OK) {
+    if (scene_stream(&s, profile) != PLFX_OK) {
         return 0;
     }
     for (y = 0; y < SCENE_H; y++) {

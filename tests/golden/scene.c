@@ -199,6 +199,30 @@ plfx_cfg scene_cfg(int32_t method, int32_t cost, int32_t fit)
     return cfg;
 }
 
+plfx_status scene_stream(plfx_stream *s, int32_t profile)
+{
+    static plfx_plan plan;
+    static plfx_lut lut;
+    plfx_cfg cfg = scene_cfg(PLFX_METHOD_SWEEP, PLFX_COST_SAD, PLFX_FIT_VEE);
+    plfx_stream_cfg sc;
+
+    memset(&sc, 0, sizeof sc);
+    if (scene_make(PLFX_LATTICE_SQUARE, &lut) == 0 ||
+        plfx_plan_init(&plan, &cfg, &lut, SCENE_NX, SCENE_NY) != PLFX_OK) {
+        return PLFX_E_ARG;
+    }
+    sc.plan = &plan;
+    sc.lut = &lut;
+    sc.tone = scene_tone();
+    sc.profile = (uint8_t)profile;
+    sc.white = 1;
+    sc.format = PLFX_RAW_U16;
+    sc.bits = SCENE_BITS;
+    sc.open_rows = plfx_stream_open_rows(&lut, &plan, &sc.tone);
+    sc.j1 = SCENE_NY;
+    return plfx_stream_init(s, &sc, scene_ws(), SCENE_WS);
+}
+
 plfx_map scene_empty(void)
 {
     plfx_map map = {scene_out.slope, scene_out.conf, scene_out.sigma, scene_out.flags,

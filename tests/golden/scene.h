@@ -41,6 +41,9 @@ plfx_status scene_views(const plfx_lut *lut, plfx_views *views);
 /* A configuration of the five views, slopes -0.12 .. 0.12. */
 plfx_cfg scene_cfg(int32_t method, int32_t cost, int32_t fit);
 
+/* A stream of the frame, matched by sums of all views; its plan and table stay here. */
+plfx_status scene_stream(plfx_stream *s, int32_t profile);
+
 /* scene_out, emptied. */
 plfx_map scene_empty(void);
 void *scene_ws(void);

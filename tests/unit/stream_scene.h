@@ -13,13 +13,16 @@
 
 #include <math.h>
 
-#define MAX_NX   24
-#define MAX_NY   20
-#define MAX_N    9
-#define MAX_W    460
-#define MAX_H    380
-#define CELLS    (MAX_NX * MAX_NY)
-#define WS_BYTES (1024 * 1024)
+#define MAX_NX       24
+#define MAX_NY       20
+#define MAX_N        9
+#define MAX_W        460
+#define MAX_H        380
+#define CELLS        (MAX_NX * MAX_NY)
+#define PLANES_CELLS CELLS
+#define WS_BYTES     (1024 * 1024)
+
+#include "planes.h"
 
 static uint16_t frame[MAX_W * MAX_H];
 static uint8_t packed[MAX_W * MAX_H * 2];
@@ -28,13 +31,6 @@ static int16_t scene_resid[CELLS * 2]; /* what the table is written from */
 static uint8_t scene_flags[CELLS];
 static uint16_t scene_gain[CELLS];
 static unsigned char memory[WS_BYTES + 64];
-
-typedef struct planes {
-    int32_t slope[CELLS];
-    uint16_t conf[CELLS], sigma[CELLS];
-    uint8_t flags[CELLS];
-} planes;
-static planes got, want;
 
 enum { SUMS, ARMS, NCC, GRADIENT };
 
@@ -287,13 +283,6 @@ static inline scene some_scene(int32_t kind)
     }
     fail_msg("no scene");
     return sc;
-}
-
-static inline plfx_map map_of(planes *p, const plfx_plan *plan)
-{
-    plfx_map m = {p->slope, p->conf, p->sigma, p->flags, plan->nx, plan->ny, plan->nx};
-
-    return m;
 }
 
 static inline plfx_stream_cfg stream_cfg(const scene *sc, int32_t profile)

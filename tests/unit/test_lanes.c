@@ -4,11 +4,14 @@
 #include "suite.h"
 #include "ref.h"
 
-#define MAX_NX   70
-#define MAX_NY   26
-#define MAX_N    6
-#define CELLS    (MAX_NX * MAX_NY)
-#define WS_BYTES (1024 * 1024)
+#define MAX_NX       70
+#define MAX_NY       26
+#define MAX_N        6
+#define CELLS        (MAX_NX * MAX_NY)
+#define PLANES_CELLS CELLS
+#define WS_BYTES     (1024 * 1024)
+
+#include "planes.h"
 
 #define LANES_OF(n)                                                                    \
     size_t n##_sweep_ws(const plfx_plan *plan);                                        \
@@ -40,23 +43,9 @@ static const struct variant {
 static uint16_t samples[CELLS * MAX_N];
 static unsigned char memory[WS_BYTES + 64];
 
-typedef struct planes {
-    int32_t slope[CELLS];
-    uint16_t conf[CELLS], sigma[CELLS];
-    uint8_t flags[CELLS];
-} planes;
-static planes got, want;
-
 static unsigned char *workspace(void)
 {
     return memory + (64 - (uintptr_t)memory % 64) % 64;
-}
-
-static plfx_map map_of(planes *p, const plfx_plan *plan)
-{
-    plfx_map m = {p->slope, p->conf, p->sigma, p->flags, plan->nx, plan->ny, plan->nx};
-
-    return m;
 }
 
 /* Pairs that move by whole columns have kernels of their own. */

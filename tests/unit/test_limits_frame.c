@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Limits of the arguments of whole frames and of streams. */
 #include "limits.h"
+#include "square_table.h"
 
 #include "plenofix/preset.h"
 #include "plenofix/stream.h"
@@ -245,19 +246,9 @@ static plfx_plan plan;
 
 static void set_up_stream(void)
 {
-    plfx_lut_desc d;
+    plfx_lut_desc d = square_table(NX, NY, LENS);
     plfx_cfg c;
 
-    memset(&d, 0, sizeof d);
-    d.sensor_w = NX * LENS;
-    d.sensor_h = NY * LENS;
-    d.sensor_bits = 12;
-    d.lattice.nx = NX;
-    d.lattice.ny = NY;
-    d.lattice.origin.x_q16 = (LENS / 2) << 16;
-    d.lattice.origin.y_q16 = (LENS / 2) << 16;
-    d.lattice.a.x_q22 = LENS << 22;
-    d.lattice.b.y_q22 = LENS << 22;
     assert_int_equal(plfx_lut_write(&d, blob, sizeof blob), OK);
     assert_int_equal(plfx_lut_open(&lut, blob, sizeof blob), OK);
     memset(&c, 0, sizeof c);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Limits of the arguments of packets, modes and regions. */
 #include "limits.h"
+#include "square_table.h"
 
 #include "bigend.h"
 #include "packet_format.h"
@@ -343,25 +344,15 @@ static uint8_t *room(void)
 
 static void make_cfg(void)
 {
-    plfx_lut_desc d;
+    plfx_lut_desc d = square_table(NX, NY, LENS);
     int32_t i;
 
-    memset(&d, 0, sizeof d);
     for (i = 0; i < NX * NY; i++) {
         gain[i] = 8192;
     }
     for (i = 0; i < 9; i++) {
         profile[i] = 8192;
     }
-    d.sensor_w = NX * LENS;
-    d.sensor_h = NY * LENS;
-    d.sensor_bits = 12;
-    d.lattice.nx = NX;
-    d.lattice.ny = NY;
-    d.lattice.origin.x_q16 = (LENS / 2) << 16;
-    d.lattice.origin.y_q16 = (LENS / 2) << 16;
-    d.lattice.a.x_q22 = LENS << 22;
-    d.lattice.b.y_q22 = LENS << 22;
     d.flags = flags;
     d.zones_x = d.zones_y = 1;
     d.profile_r = 1;

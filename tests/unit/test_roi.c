@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "plenofix/plenofix.h"
+#include "square_table.h"
 
 #define PI 3.14159265358979323846
 #define W  96
@@ -180,19 +181,9 @@ static void image_cfg(void)
 
 static void raw_cfg(void)
 {
-    plfx_lut_desc d;
+    plfx_lut_desc d = square_table(24, 18, LENS);
     int k;
 
-    memset(&d, 0, sizeof d);
-    d.sensor_w = LENS * 24;
-    d.sensor_h = LENS * 18;
-    d.sensor_bits = 12;
-    d.lattice.nx = 24;
-    d.lattice.ny = 18;
-    d.lattice.origin.x_q16 = (LENS / 2) << 16;
-    d.lattice.origin.y_q16 = (LENS / 2) << 16;
-    d.lattice.a.x_q22 = LENS << 22;
-    d.lattice.b.y_q22 = LENS << 22;
     d.radius_q8 = 4 << 8;
     assert_true(plfx_lut_bytes(&d) <= sizeof blob);
     assert_int_equal(plfx_lut_write(&d, blob, sizeof blob), PLFX_OK);

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "suite.h"
+#include "square_table.h"
 
 #include "plenofix/roi.h"
 #include "roi_state.h"
@@ -79,19 +80,9 @@ static void image_cfg(void)
 
 static void raw_cfg(void)
 {
-    plfx_lut_desc d;
+    plfx_lut_desc d = square_table(NX, NY, LENS);
     int32_t k;
 
-    memset(&d, 0, sizeof d);
-    d.sensor_w = NX * LENS;
-    d.sensor_h = NY * LENS;
-    d.sensor_bits = 12;
-    d.lattice.nx = NX;
-    d.lattice.ny = NY;
-    d.lattice.origin.x_q16 = (LENS / 2) << 16;
-    d.lattice.origin.y_q16 = (LENS / 2) << 16;
-    d.lattice.a.x_q22 = LENS << 22;
-    d.lattice.b.y_q22 = LENS << 22;
     assert_int_equal(plfx_lut_write(&d, blob, sizeof blob), PLFX_OK);
     assert_int_equal(plfx_lut_open(&lut, blob, sizeof blob), PLFX_OK);
     image_cfg();

@@ -5,31 +5,20 @@
 #include "rows.h"
 #include "sweep_state.h"
 
-#define MAX_SIDE  24
-#define MAX_CELLS (MAX_SIDE * MAX_SIDE)
-#define MAX_N     5
-#define WS_BYTES  (512 * 1024)
+#define MAX_SIDE     24
+#define MAX_CELLS    (MAX_SIDE * MAX_SIDE)
+#define PLANES_CELLS MAX_CELLS
+#define MAX_N        5
+#define WS_BYTES     (512 * 1024)
+
+#include "planes.h"
 
 static uint16_t samples[MAX_CELLS * MAX_N];
 static unsigned char ws_memory[WS_BYTES + 64];
 
-typedef struct planes {
-    int32_t slope[MAX_CELLS];
-    uint16_t conf[MAX_CELLS], sigma[MAX_CELLS];
-    uint8_t flags[MAX_CELLS];
-} planes;
-static planes got, want;
-
 static unsigned char *workspace(void)
 {
     return aligned(ws_memory);
-}
-
-static plfx_map map_of(planes *p, const plfx_plan *plan)
-{
-    plfx_map m = {p->slope, p->conf, p->sigma, p->flags, plan->nx, plan->ny, plan->nx};
-
-    return m;
 }
 
 /* Views apart by whole columns along the labels: kernels of their own. */

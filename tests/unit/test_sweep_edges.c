@@ -4,27 +4,16 @@
 #include "suite.h"
 #include "ref.h"
 
-#define NX       256 /* 16 blocks of 16 lanes, 32 of 8 */
-#define NY       9
-#define N        3
-#define WS_BYTES (384 * 1024)
+#define NX           256 /* 16 blocks of 16 lanes, 32 of 8 */
+#define NY           9
+#define N            3
+#define WS_BYTES     (384 * 1024)
+#define PLANES_CELLS (NX * NY)
+
+#include "planes.h"
 
 static uint16_t samples[NX * NY * N];
 static uint64_t memory[WS_BYTES / 8];
-
-typedef struct planes {
-    int32_t slope[NX * NY];
-    uint16_t conf[NX * NY];
-    uint8_t flags[NX * NY];
-} planes;
-static planes got, want;
-
-static plfx_map map_of(planes *p, const plfx_plan *plan)
-{
-    plfx_map m = {p->slope, p->conf, NULL, p->flags, plan->nx, plan->ny, plan->nx};
-
-    return m;
-}
 
 /* A sweep, pairs, or pairs by correlation, at whole columns. */
 static plfx_cfg cfg_of(int32_t way, uint16_t labels)

@@ -61,27 +61,9 @@ static plfx_status push(plfx_stream *s, int32_t y)
 
 static int frames(int32_t profile, int32_t count)
 {
-    plfx_cfg cfg = scene_cfg(PLFX_METHOD_SWEEP, PLFX_COST_SAD, PLFX_FIT_VEE);
-    static plfx_plan plan;
-    plfx_lut lut;
-    plfx_stream_cfg sc;
     plfx_stream s;
 
-    memset(&sc, 0, sizeof sc);
-    if (scene_make(PLFX_LATTICE_SQUARE, &lut) == 0 ||
-        plfx_plan_init(&plan, &cfg, &lut, SCENE_NX, SCENE_NY) != PLFX_OK) {
-        return 1;
-    }
-    sc.plan = &plan;
-    sc.lut = &lut;
-    sc.tone = scene_tone();
-    sc.profile = (uint8_t)profile;
-    sc.white = 1;
-    sc.format = PLFX_RAW_U16;
-    sc.bits = SCENE_BITS;
-    sc.open_rows = plfx_stream_open_rows(&lut, &plan, &sc.tone);
-    sc.j1 = SCENE_NY;
-    if (plfx_stream_init(&s, &sc, scene_ws(), SCENE_WS) != PLFX_OK) {
+    if (scene_stream(&s, profile) != PLFX_OK) {
         return 1;
     }
     for (int32_t i = 0; i < count; i++) {
