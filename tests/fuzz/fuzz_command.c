@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Whole commands on one file, by the first byte: `import-centres` on a list of centres as
- * text or drawn on a lattice with faults, `plan` on optics.  What a command calls a
- * table must open. */
+ * Whole commands on one file, by the first byte: `import-centres` on a list of centres
+ * as text or drawn on a lattice with faults, `plan` on optics.  A table that a command
+ * leaves must open. */
 #define _GNU_SOURCE
 #include "fuzz.h"
 
