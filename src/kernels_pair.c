@@ -125,50 +125,53 @@ void plfx_k_unstripe(const int16_t *restrict in, int32_t blocks, int32_t n,
     }
 }
 
-/* Where the least sum of each lane stands: the first of its cells, counted in order
- * from the last, and how many there are. */
+/* Where the least sum of each lane stands: its first cell, and how many others are as
+ * good (negative).  Nothing is copied or cleared: compilers do that in halves of
+ * vectors, and whole ones would have to wait for them. */
 #if PLFX_LANES > 1
-static void find(const int16_t *restrict sum, const int16_t *restrict least,
-                 const int16_t *restrict order, int32_t labels, int16_t *restrict first,
-                 int16_t *restrict count)
+static void find(const int16_t *restrict sum, const int16_t *restrict best,
+                 const int16_t *restrict order, int32_t labels, int16_t *restrict at,
+                 int16_t *restrict others)
 {
-    int16_t b[PLFX_LANES];
-    int16_t k[PLFX_LANES];
+    int16_t k[PLFX_LANES]; /* cells to the last, and equal ones so far */
     int16_t n[PLFX_LANES];
+    int16_t cells = order[0];
     int32_t l;
     int32_t i;
 
     LANES(i)
     {
-        b[i] = least[i];
-        k[i] = 0;
-        n[i] = 0;
+        n[i] = (int16_t)(-(sum[i] == best[i]));
+        k[i] = (int16_t)(n[i] & order[i]);
     }
-    for (l = 0; l + 1 < labels; l += 2) {
+    for (l = 1; l + 1 < labels; l += 2) {
+        sum += 2 * PLFX_LANES;
+        order += 2 * PLFX_LANES;
         LANES(i)
         {
-            int16_t m = (int16_t)(-(sum[i] == b[i]));
-            int16_t w = (int16_t)(-(sum[i + PLFX_LANES] == b[i]));
-            int16_t t = (int16_t)(m & order[i]);
-            int16_t u = (int16_t)(w & order[i + PLFX_LANES]);
+            int16_t m = (int16_t)(-(sum[i - PLFX_LANES] == best[i]));
+            int16_t w = (int16_t)(-(sum[i] == best[i]));
+            int16_t t = (int16_t)(m & order[i - PLFX_LANES]);
+            int16_t u = (int16_t)(w & order[i]);
             t = t > u ? t : u;
             k[i] = k[i] > t ? k[i] : t;
             n[i] = (int16_t)(n[i] + m + w);
         }
-        sum += 2 * PLFX_LANES;
-        order += 2 * PLFX_LANES;
     }
     if (l < labels) {
         LANES(i)
         {
-            int16_t m = (int16_t)(-(sum[i] == b[i]));
-            int16_t t = (int16_t)(m & order[i]);
+            int16_t m = (int16_t)(-(sum[i + PLFX_LANES] == best[i]));
+            int16_t t = (int16_t)(m & order[i + PLFX_LANES]);
             k[i] = k[i] > t ? k[i] : t;
             n[i] = (int16_t)(n[i] + m);
         }
     }
-    memcpy(first, k, sizeof k);
-    memcpy(count, n, sizeof n);
+    LANES(i)
+    {
+        at[i] = (int16_t)(cells - k[i]);
+        others[i] = (int16_t)(n[i] + 1);
+    }
 }
 #endif
 
@@ -177,14 +180,14 @@ static void find(const int16_t *restrict sum, const int16_t *restrict least,
  * does not count.  `before` is the least of all labels but the last one; `won` is -1
  * where the last label became the best. */
 static void race_second(const int16_t *restrict sum, const int16_t *restrict order,
-                        int32_t labels, int16_t *restrict best, int16_t *restrict at,
-                        int16_t *restrict second)
+                        int32_t labels, int16_t *restrict at, int16_t *restrict second)
 {
     int16_t b[PLFX_LANES];
     int16_t k[PLFX_LANES];
     int16_t before[PLFX_LANES];
     int16_t other[PLFX_LANES];
     int16_t won[PLFX_LANES];
+    int16_t cells = order[0];
     int32_t l;
     int32_t i;
 
@@ -214,9 +217,11 @@ static void race_second(const int16_t *restrict sum, const int16_t *restrict ord
             won[i] = m;
         }
     }
-    memcpy(best, b, sizeof b);
-    memcpy(at, k, sizeof k);
-    memcpy(second, other, sizeof other);
+    LANES(i)
+    {
+        at[i] = (int16_t)(cells - k[i]);
+        second[i] = other[i];
+    }
 }
 
 static void look_beside(const int16_t *restrict sum, plfx_won *restrict w)
@@ -233,27 +238,24 @@ static void look_beside(const int16_t *restrict sum, plfx_won *restrict w)
 
 /* The winners by what the slide has left. */
 #if PLFX_LANES > 1
-static void by_lead(const int16_t *restrict sum, const plfx_lead *restrict lead,
+static void by_lead(const int16_t *restrict sum, const plfx_lead *lead,
                     const int16_t *restrict order, int32_t labels, plfx_won *restrict w)
 {
-    int16_t first[PLFX_LANES];
-    int16_t count[PLFX_LANES];
-    int16_t cells = order[0];
+    (void)lead;
+    find(sum, w->best, order, labels, w->at, w->tie);
+    look_beside(sum, w);
+}
+
+/* From how many others are as good (negative) to ties; one behind makes none. */
+static inline void settle(plfx_won *restrict w, int32_t labels)
+{
+    int16_t last = (int16_t)((labels - 1) * PLFX_LANES);
     int32_t i;
 
-    find(sum, lead->least, order, labels, first, count);
     LANES(i)
     {
-        w->best[i] = lead->least[i];
-        w->at[i] = (int16_t)(cells - first[i]);
-    }
-    look_beside(sum, w);
-    LANES(i) /* a neighbour behind that is as good makes no tie */
-    {
-        int16_t beside =
-            (int16_t)(-(w->next[i] == w->best[i]) & -(first[i] > PLFX_LANES));
-        int16_t others = (int16_t)(count[i] + 1 - beside);
-        w->tie[i] = (int16_t)(-(others < 0));
+        int16_t beside = (int16_t)(-(w->next[i] == w->best[i]) & -(w->at[i] < last));
+        w->tie[i] = (int16_t)(-(w->tie[i] < beside));
     }
 }
 #else
@@ -262,10 +264,15 @@ static void by_lead(const int16_t *restrict sum, const plfx_lead *restrict lead,
 {
     (void)order;
     (void)labels;
-    w->best[0] = lead->least[0];
     w->at[0] = lead->label;
     w->tie[0] = lead->tie;
     look_beside(sum, w);
+}
+
+static inline void settle(plfx_won *w, int32_t labels)
+{
+    (void)w;
+    (void)labels;
 }
 #endif
 
@@ -273,17 +280,15 @@ static void by_race(const int16_t *restrict sum, const int16_t *restrict order,
                     int32_t labels, const plfx_winners *out, plfx_won *restrict w)
 {
     int16_t rest[PLFX_LANES];
-    int16_t cells = order[0];
     int32_t i;
 
-    race_second(sum, order, labels, w->best, w->at, rest);
+    race_second(sum, order, labels, w->at, rest);
     LANES(i)
     {
-        w->at[i] = (int16_t)(cells - w->at[i]);
-        w->tie[i] = (int16_t)(-(rest[i] == w->best[i]));
+        w->tie[i] = (int16_t)(-2 * (rest[i] == w->best[i]));
     }
     if (out->best) {
-        memcpy(out->best, w->best, sizeof w->best);
+        memcpy(out->best, w->best, PLFX_LANES * sizeof(int16_t));
         memcpy(out->rest, rest, sizeof rest);
     } else {
         plfx_won_rate(w->best, rest, out->floor_cost, out->conf);
@@ -291,7 +296,7 @@ static void by_race(const int16_t *restrict sum, const int16_t *restrict order,
     look_beside(sum, w);
 }
 
-/* Winners of a block before their fit. */
+/* Winners of a block before their fit; their sums are known. */
 static inline void find_winners(const int16_t *sum, const plfx_lead *lead,
                                 const int16_t *order, int32_t labels,
                                 const plfx_winners *out, plfx_won *restrict w)
@@ -308,7 +313,9 @@ void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *ord
 {
     plfx_won w;
 
+    w.best = lead->least;
     find_winners(sum, lead, order, labels, out, &w);
+    settle(&w, labels);
     plfx_won_fit(&w, labels, fit, out->code);
 }
 
@@ -397,11 +404,13 @@ typedef struct fine {
     uint16_t k[PLFX_LANES], m[PLFX_LANES];
 } fine;
 
+/* One label; least: the least sum so far, low, with this one. */
 static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
                             const uint16_t *restrict leave,
                             const int16_t *restrict right, const int16_t *restrict gone,
                             const int16_t *restrict here, const int16_t *restrict there,
-                            int16_t *restrict low, int32_t kind, const fine *f)
+                            const int16_t *low, int16_t *least, int32_t kind,
+                            const fine *f)
 {
     int32_t i;
 
@@ -423,41 +432,44 @@ static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
                           : sum[i] + plfx_scaled(c, f->m[i]) - plfx_scaled(t, f->m[i]));
         col[i] = c;
         sum[i] = s;
-        low[i] = s < low[i] ? s : low[i];
+        least[i] = s < low[i] ? s : low[i];
     }
 }
 
-/* All labels of a block, two a turn. */
+/* All labels of a block, two a turn; the last one writes the least sums. */
 static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32_t kind,
-                            const fine *f)
+                            const fine *f, int16_t *restrict least)
 {
     uint16_t *restrict col = w->col;
     int16_t *restrict sum = r->sum;
     const uint16_t *restrict leave = w->leave;
     const int16_t *restrict right = w->right;
     const int16_t *restrict gone = w->right_gone;
-    int16_t here[PLFX_LANES];
-    int16_t there[PLFX_LANES];
+    const int16_t *restrict here = w->left;
+    const int16_t *restrict there = w->left_gone;
     int16_t low[PLFX_LANES];
     int32_t l;
 
-    memcpy(here, w->left, sizeof here);
-    memcpy(there, w->left_gone, sizeof there);
     plfx_lead_start(r->lead, low);
-    for (l = 0; l + 1 < r->labels; l += 2) {
-        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
+    for (l = 0; l + 2 < r->labels; l += 2) {
+        label_of(col, sum, leave, right, gone, here, there, low, low, kind, f);
         label_of(col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
-                 right + r->step, gone + r->gone_step, here, there, low, kind, f);
+                 right + r->step, gone + r->gone_step, here, there, low, low, kind, f);
         col += 2 * PLFX_LANES;
         sum += 2 * PLFX_LANES;
         leave += 2 * PLFX_LANES;
         right += 2 * r->step;
         gone += 2 * r->gone_step;
     }
-    if (l < r->labels) {
-        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
+    if (l + 1 < r->labels) {
+        label_of(col, sum, leave, right, gone, here, there, low, low, kind, f);
+        col += PLFX_LANES;
+        sum += PLFX_LANES;
+        leave += PLFX_LANES;
+        right += r->step;
+        gone += r->gone_step;
     }
-    plfx_lead_end(r->lead, low);
+    label_of(col, sum, leave, right, gone, here, there, low, least, kind, f);
 }
 
 /* Winners are fitted a block later: vectors of cells just written one by one would have
@@ -465,24 +477,29 @@ static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32
 static inline void row(const plfx_whole_row *r, int32_t kind)
 {
     plfx_walker w = plfx_walk_start(r);
+    int16_t low[2][PLFX_LANES];
     plfx_won won[2];
     fine f;
     int32_t b;
 
     plfx_factor_of(f.k, r->s1);
     plfx_factor_of(f.m, r->s2);
+    won[0].best = low[0];
+    won[1].best = low[1];
     for (b = 0; b < r->blocks; b++) {
-        block_of(r, &w, kind, &f);
+        block_of(r, &w, kind, &f, low[b & 1]);
         if (r->out && b >= r->window - 1) {
             plfx_winners out = plfx_out_of(r, b);
             find_winners(r->sum, r->lead, r->order, r->labels, &out, won + (b & 1));
             if (b >= r->window) {
+                settle(won + (~b & 1), r->labels);
                 plfx_won_fit(won + (~b & 1), r->labels, r->fit, out.code - PLFX_LANES);
             }
         }
         plfx_walk_on(r, &w, b);
     }
     if (r->out) {
+        settle(won + (~b & 1), r->labels);
         plfx_won_fit(won + (~b & 1), r->labels, r->fit, plfx_out_of(r, b - 1).code);
     }
 }

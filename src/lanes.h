@@ -80,7 +80,12 @@ static inline void plfx_lead_start(plfx_lead *lead, int16_t *low)
 
 static inline void plfx_lead_end(plfx_lead *lead, const int16_t *low)
 {
-    memcpy(lead->least, low, sizeof lead->least);
+    int32_t i;
+
+    LANES(i)
+    {
+        lead->least[i] = low[i];
+    }
 }
 
 #if PLFX_LANES <= 2
@@ -227,7 +232,8 @@ static inline void plfx_walk_row(const plfx_whole_row *r)
 
 /* A winner of each lane: cell, least sum and those beside it. */
 typedef struct plfx_won {
-    int16_t at[PLFX_LANES], best[PLFX_LANES], next[PLFX_LANES], before[PLFX_LANES];
+    const int16_t *best;
+    int16_t at[PLFX_LANES], next[PLFX_LANES], before[PLFX_LANES];
     int16_t tie[PLFX_LANES]; /* -1: another label is as good */
 } plfx_won;
 
@@ -235,6 +241,7 @@ typedef struct plfx_won {
 static inline void plfx_won_fit(const plfx_won *restrict w, int32_t labels, int32_t fit,
                                 int16_t *restrict code)
 {
+    const int16_t *restrict best = w->best;
     int16_t last = (int16_t)(labels - 1);
     int16_t vee = (int16_t)-fit;
     int32_t i;
@@ -245,8 +252,8 @@ static inline void plfx_won_fit(const plfx_won *restrict w, int32_t labels, int3
         /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
         int16_t l = (int16_t)(w->at[i] >> PLFX_LANE_BITS);
         int16_t inner = (int16_t)(-(l > 0) & -(l < last));
-        int16_t f = plfx_lane_vertex_q4((uint16_t)(w->next[i] - w->best[i]),
-                                        (uint16_t)(w->before[i] - w->best[i]), vee);
+        int16_t f = plfx_lane_vertex_q4((uint16_t)(w->next[i] - best[i]),
+                                        (uint16_t)(w->before[i] - best[i]), vee);
         int16_t mark = (int16_t)(w->tie[i] & INT16_MIN);
         code[i] = (int16_t)((int16_t)(32 * l) + (int16_t)(f & inner) + 8 + mark);
     }

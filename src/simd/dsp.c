@@ -226,11 +226,11 @@ void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *ord
     int32_t i;
 
     (void)order;
+    w.best = lead->least;
     for (i = 0; i < 2; i++) {
         int32_t l = lead->first[i];
         const int16_t *s = sum + 2 * l + i;
         w.at[i] = (int16_t)(2 * l + i);
-        w.best[i] = lead->least[i];
         w.next[i] = s[2];
         w.before[i] = s[-2];
         w.tie[i] = (int16_t)(-(lead->last[i] > l + 1));
@@ -240,7 +240,7 @@ void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *ord
         }
     }
     if (out->best) {
-        memcpy(out->best, w.best, sizeof w.best);
+        memcpy(out->best, w.best, sizeof lead->least);
         memcpy(out->rest, rest, sizeof rest);
     } else if (out->conf) {
         plfx_won_rate(w.best, rest, out->floor_cost, out->conf);
