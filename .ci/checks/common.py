@@ -14,6 +14,11 @@ ARM = 'arm-none-eabi-'
 ARM_M7 = ['-mcpu=cortex-m7', '-mthumb', '-mfloat-abi=hard', '--specs=picolibc.specs']
 ARM_SOFT = ['-mcpu=cortex-m4', '-mthumb', '-mfloat-abi=soft', '--specs=picolibc.specs']
 
+# Programs for the emulated board that talk to the host: memory, start, output.
+ARM_BOARD = ['--oslib=semihost', '--crt0=semihost', '-Wl,--gc-sections',
+             '-Wl,--defsym=__flash=0', '-Wl,--defsym=__flash_size=4M',
+             '-Wl,--defsym=__ram=0x20000000', '-Wl,--defsym=__ram_size=4M']
+
 
 def core_sources():
     """The core: src/*.c, nothing below."""
@@ -40,6 +45,20 @@ def run(*args):
         print('failed: ' + ' '.join(str(a) for a in args))
         sys.exit(1)
     return done.stdout
+
+
+def emulate(program, *args, options=()):
+    """Output of a program on an emulated Cortex-M7; ends with status 1 when it fails."""
+    semihosting = 'enable=on,target=native' + ''.join(f',arg={a}' for a in args)
+    done = subprocess.run(
+        ['qemu-system-arm', '-M', 'mps2-an500', '-display', 'none', '-monitor', 'none',
+         '-serial', 'none', *options, '-semihosting-config', semihosting,
+         '-kernel', program],
+        capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=200)
+    if done.returncode:
+        print(done.stdout + done.stderr)
+        sys.exit(1)
+    return done.stdout + done.stderr
 
 
 def compile_all(compiler, sources, flags, folder):

@@ -28,6 +28,13 @@ def sizes():
     yield 'deepest stack of a public function', f'{stack} bytes (`{name}`)', check
 
 
+def workspaces():
+    for kind, name, n in table_rows('sizes.csv'):
+        if kind == 'workspace' and name.startswith(('stream_small', 'stream_fast')):
+            yield (f'workspace of a frame of 289x193 lenses, {name.replace("_", " ")}, '
+                   'window 9, 17 labels, Cortex-M7', f'{n} bytes', '`sizes.py`')
+
+
 def instructions():
     for kind, name, n in table_rows('instructions.csv'):
         if kind == 'band':
@@ -96,7 +103,7 @@ def planted():
 
 
 def table():
-    rows = [*targets(), *sizes(), *instructions(), *coverage(), *conditions(),
+    rows = [*targets(), *sizes(), *workspaces(), *instructions(), *coverage(), *conditions(),
             *mutation(), *fuzzing(), *faults(), *planted()]
     head = '| figure | value | held by |\n| --- | --- | --- |\n'
     return head + ''.join(f'| {a} | {b} | {c} |\n' for a, b, c in rows)

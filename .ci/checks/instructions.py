@@ -10,7 +10,6 @@ of lenses (10 sensor rows, 420 wide) of the goldens' scene through a stream, 5 v
 labels, window 5, maps popped."""
 import collections
 import re
-import subprocess
 import sys
 
 import common
@@ -19,9 +18,6 @@ TABLE = common.ROOT / 'tests' / 'instructions.csv'
 UPDATE = 'python3 .ci/checks/instructions.py --update'
 COMPILER = common.ARM + 'gcc'
 BUILD = [*common.ARM_M7, '-O2', '-ffunction-sections', '-I' + str(common.ROOT / 'tests')]
-LINK = ['--oslib=semihost', '--crt0=semihost', '-Wl,--gc-sections', '-Wl,--defsym=__flash=0',
-        '-Wl,--defsym=__flash_size=4M', '-Wl,--defsym=__ram=0x20000000',
-        '-Wl,--defsym=__ram_size=4M']
 BANDS = 33
 LEAST = 1000  # instructions: fewer say nothing
 
@@ -32,7 +28,7 @@ def build(folder):
              common.ROOT / 'tests/target/m7/counts.c']
     core = common.core_sources()
     objects = common.compile_all(COMPILER, [*core, *sorted(tests)], BUILD, folder)
-    common.run(COMPILER, *BUILD, *LINK, *objects, '-o', folder + '/counts.elf',
+    common.run(COMPILER, *BUILD, *common.ARM_BOARD, *objects, '-o', folder + '/counts.elf',
                f'-Wl,-Map={folder}/counts.map')
     common.run('cc', '-shared', '-fPIC', '-O2', '-fvisibility=hidden',
                common.ROOT / 'tests/bench/count_plugin.c', '-o', folder + '/count.so')
@@ -50,15 +46,8 @@ def build(folder):
 def execute(folder, *args):
     """All instructions, and those at each address."""
     each = folder + '/each'
-    semihosting = 'enable=on,target=native' + ''.join(f',arg={a}' for a in args)
-    done = subprocess.run(
-        ['qemu-system-arm', '-M', 'mps2-an500', '-display', 'none', '-monitor', 'none',
-         '-serial', 'none', '-plugin', f'{folder}/count.so,each={each}',
-         '-semihosting-config', semihosting, '-kernel', folder + '/counts.elf'],
-        capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=200)
-    if done.returncode:
-        print(done.stdout + done.stderr)
-        sys.exit(1)
+    common.emulate(folder + '/counts.elf', *args,
+                   options=['-plugin', f'{folder}/count.so,each={each}'])
     return [(int(a, 16), int(n)) for a, n in map(str.split, open(each))]
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Code, data, stack and structures of the core on a Cortex-M7, built at -O2.
+"""Code, data, stack, structures and workspaces of the core on a Cortex-M7, built at -O2.
 
 usage: sizes.py            compare with tests/sizes.csv (2 %, at least 8 bytes)
        sizes.py --limits   the budgets alone: 40 KiB of code for depth, 28 KiB for
@@ -67,6 +67,17 @@ def measure_structures(folder):
             yield 'struct', words[3].removeprefix('probe_'), int(words[1], 16)
 
 
+def measure_workspaces(objects, folder):
+    """Of a large frame, as the program prints them on the target."""
+    program = folder + '/workspaces.elf'
+    source = common.ROOT / 'tests/target/m7/workspaces.c'
+    main = common.compile_all(COMPILER, [source], BUILD, folder)
+    common.run(COMPILER, *BUILD, *common.ARM_BOARD, *main, *objects, '-o', program)
+    for line in common.emulate(program).splitlines():
+        name, value = line.split()
+        yield 'workspace', name, int(value)
+
+
 def measure():
     rows = []
     with common.scratch() as folder:
@@ -77,6 +88,7 @@ def measure():
         public = public_functions()
         rows += [('stack', n, d) for n, d in graph.worst().items() if n in public]
         rows += measure_structures(folder)
+        rows += measure_workspaces(objects, folder)
     return {(kind, name): value for kind, name, value in rows}
 
 
@@ -100,11 +112,12 @@ def compiler_version():
 
 
 def write(now):
-    order = ['text', 'data', 'bss', 'stack', 'struct']
+    order = ['text', 'data', 'bss', 'stack', 'struct', 'workspace']
     with open(TABLE, 'w') as out:
         out.write(f'# Cortex-M7, {COMPILER} {compiler_version()} -O2; bytes\n')
         out.write('# text, data, bss: an object of the core; stack: deepest path below a\n'
-                  '# public function; struct: a public structure.  Written by ' +
+                  '# public function; struct: a public structure; workspace: of a large\n'
+                  '# frame (tests/target/m7/workspaces.c).  Written by ' +
                   f'{UPDATE}\n')
         out.write('kind,name,bytes\n')
         for (kind, name), value in sorted(
@@ -152,6 +165,7 @@ if mode == '--stack':
         over = {n: d for n, d in graph.worst().items() if d > STACK_LIMIT}
     common.verdict([f'{n}: {d} bytes of stack, at most {STACK_LIMIT}'
                     for n, d in sorted(over.items())], 'stack')
+common.need('qemu-system-arm')
 now = measure()
 if mode == '--update':
     write(now)
