@@ -151,7 +151,7 @@ static void update_exact(const plfx_update_block *b, uint16_t *restrict col,
         item += PLFX_LANES;
         gone += PLFX_LANES;
     }
-    plfx_lead_end(b->lead, low);
+    plfx_lead_end(b->lead, low, b->sum);
 }
 
 static void update_scaled(const plfx_update_block *b, uint16_t *restrict col,
@@ -182,7 +182,7 @@ static void update_scaled(const plfx_update_block *b, uint16_t *restrict col,
         item += PLFX_LANES;
         gone += PLFX_LANES;
     }
-    plfx_lead_end(b->lead, low);
+    plfx_lead_end(b->lead, low, b->sum);
 }
 
 void plfx_k_update(const plfx_update_block *b)
@@ -217,6 +217,7 @@ static inline void slide(int16_t *restrict sum, const uint16_t *restrict enter,
                          const uint16_t *restrict leave, int32_t labels,
                          const uint16_t *restrict m, plfx_lead *lead)
 {
+    const int16_t *some = sum;
     int16_t low[PLFX_LANES];
     int32_t l;
 
@@ -232,7 +233,7 @@ static inline void slide(int16_t *restrict sum, const uint16_t *restrict enter,
     if (l < labels) {
         slide_label(sum, enter, leave, m, lead, low, l);
     }
-    plfx_lead_end(lead, low);
+    plfx_lead_end(lead, low, some);
 }
 
 static void slide_exact(int16_t *sum, const uint16_t *enter, const uint16_t *leave,

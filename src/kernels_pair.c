@@ -404,13 +404,11 @@ typedef struct fine {
     uint16_t k[PLFX_LANES], m[PLFX_LANES];
 } fine;
 
-/* One label; least: the least sum so far, low, with this one. */
 static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
                             const uint16_t *restrict leave,
                             const int16_t *restrict right, const int16_t *restrict gone,
                             const int16_t *restrict here, const int16_t *restrict there,
-                            const int16_t *low, int16_t *least, int32_t kind,
-                            const fine *f)
+                            int16_t *restrict low, int32_t kind, const fine *f)
 {
     int32_t i;
 
@@ -432,75 +430,87 @@ static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
                           : sum[i] + plfx_scaled(c, f->m[i]) - plfx_scaled(t, f->m[i]));
         col[i] = c;
         sum[i] = s;
-        least[i] = s < low[i] ? s : low[i];
+        low[i] = s < low[i] ? s : low[i];
     }
 }
 
-/* All labels of a block, two a turn; the last one writes the least sums. */
+/* All labels of a block, two a turn. */
 static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32_t kind,
-                            const fine *f, int16_t *restrict least)
+                            const fine *f, plfx_lead *lead)
 {
     uint16_t *restrict col = w->col;
     int16_t *restrict sum = r->sum;
     const uint16_t *restrict leave = w->leave;
     const int16_t *restrict right = w->right;
     const int16_t *restrict gone = w->right_gone;
-    const int16_t *restrict here = w->left;
-    const int16_t *restrict there = w->left_gone;
+    int16_t here[PLFX_LANES];
+    int16_t there[PLFX_LANES];
     int16_t low[PLFX_LANES];
     int32_t l;
+    int32_t i;
 
-    plfx_lead_start(r->lead, low);
-    for (l = 0; l + 2 < r->labels; l += 2) {
-        label_of(col, sum, leave, right, gone, here, there, low, low, kind, f);
+    LANES(i) /* samples, no mere copies: see plfx_lead_end() */
+    {
+        here[i] = (int16_t)(w->left[i] & INT16_MAX);
+        there[i] = (int16_t)(w->left_gone[i] & INT16_MAX);
+    }
+    plfx_lead_start(lead, low);
+    for (l = 0; l + 1 < r->labels; l += 2) {
+        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
         label_of(col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
-                 right + r->step, gone + r->gone_step, here, there, low, low, kind, f);
+                 right + r->step, gone + r->gone_step, here, there, low, kind, f);
         col += 2 * PLFX_LANES;
         sum += 2 * PLFX_LANES;
         leave += 2 * PLFX_LANES;
         right += 2 * r->step;
         gone += 2 * r->gone_step;
     }
-    if (l + 1 < r->labels) {
-        label_of(col, sum, leave, right, gone, here, there, low, low, kind, f);
-        col += PLFX_LANES;
-        sum += PLFX_LANES;
-        leave += PLFX_LANES;
-        right += r->step;
-        gone += r->gone_step;
+    if (l < r->labels) {
+        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
     }
-    label_of(col, sum, leave, right, gone, here, there, low, least, kind, f);
+    plfx_lead_end(lead, low, r->sum);
+}
+
+static inline void fit_one(const plfx_whole_row *r, plfx_won *won, int16_t *code)
+{
+    settle(won, r->labels);
+    plfx_won_fit(won, r->labels, r->fit, code);
 }
 
 /* Winners are fitted a block later: vectors of cells just written one by one would have
  * to wait for them. */
 static inline void row(const plfx_whole_row *r, int32_t kind)
 {
+    const plfx_whole_row k = *r; /* a copy: stores cannot change it */
+    const int32_t n = plfx_blocks_of(r);
     plfx_walker w = plfx_walk_start(r);
-    int16_t low[2][PLFX_LANES];
+    plfx_lead lead[2];
     plfx_won won[2];
     fine f;
     int32_t b;
 
-    plfx_factor_of(f.k, r->s1);
-    plfx_factor_of(f.m, r->s2);
-    won[0].best = low[0];
-    won[1].best = low[1];
-    for (b = 0; b < r->blocks; b++) {
-        block_of(r, &w, kind, &f, low[b & 1]);
-        if (r->out && b >= r->window - 1) {
-            plfx_winners out = plfx_out_of(r, b);
-            find_winners(r->sum, r->lead, r->order, r->labels, &out, won + (b & 1));
-            if (b >= r->window) {
-                settle(won + (~b & 1), r->labels);
-                plfx_won_fit(won + (~b & 1), r->labels, r->fit, out.code - PLFX_LANES);
+    plfx_factor_of(f.k, k.s1);
+    plfx_factor_of(f.m, k.s2);
+    won[0].best = lead[0].least;
+    won[1].best = lead[1].least;
+    for (b = 0; b < n; b++) {
+        plfx_won *now = won + (b & 1);
+        if (b < k.blocks) {
+            block_of(&k, &w, kind, &f, lead + (b & 1));
+            plfx_walk_on(&k, &w, b);
+        } else {
+            plfx_slide_on(&k, b, lead + (b & 1));
+        }
+        if (k.out && b >= k.window - 1) {
+            plfx_winners out = plfx_out_of(&k, b);
+            find_winners(k.sum, lead + (b & 1), k.order, k.labels, &out, now);
+            if (b >= k.window) {
+                fit_one(&k, won + (~b & 1), out.code - PLFX_LANES);
             }
         }
-        plfx_walk_on(r, &w, b);
     }
-    if (r->out) {
-        settle(won + (~b & 1), r->labels);
-        plfx_won_fit(won + (~b & 1), r->labels, r->fit, plfx_out_of(r, b - 1).code);
+    if (k.out) {
+        fit_one(&k, won + (~b & 1), plfx_out_of(&k, b - 1).code);
     }
 }
 

@@ -78,13 +78,16 @@ static inline void plfx_lead_start(plfx_lead *lead, int16_t *low)
 #endif
 }
 
-static inline void plfx_lead_end(plfx_lead *lead, const int16_t *low)
+/* `some`: sums of one label, in low already.  A mere copy would be made in halves of
+ * vectors, and who reads them whole would have to wait. */
+static inline void plfx_lead_end(plfx_lead *lead, const int16_t *low,
+                                 const int16_t *some)
 {
     int32_t i;
 
     LANES(i)
     {
-        lead->least[i] = low[i];
+        lead->least[i] = low[i] < some[i] ? low[i] : some[i];
     }
 }
 
@@ -205,6 +208,22 @@ static inline plfx_winners plfx_out_of(const plfx_whole_row *r, int32_t b)
     return out;
 }
 
+/* Blocks to visit: with winners also those a segment on, whose windows reach into the
+ * next one.  One lane has no next segment. */
+static inline int32_t plfx_blocks_of(const plfx_whole_row *r)
+{
+    return r->blocks + (r->out && PLFX_LANES > 1 ? r->window - 1 : 0);
+}
+
+/* Block b, a segment on. */
+static inline void plfx_slide_on(const plfx_whole_row *r, int32_t b, plfx_lead *lead)
+{
+    ptrdiff_t cells = (ptrdiff_t)r->labels * PLFX_LANES;
+
+    plfx_k_slide(r->sum, r->col + (b - r->blocks) * cells + 1,
+                 r->col + (b - r->window) * cells, r->labels, r->s2, lead);
+}
+
 #if PLFX_LANES <= 2
 /* All labels of one block, in a function of its own so that registers suffice. */
 void plfx_k_lane(const plfx_whole_row *r, const plfx_walker *w);
@@ -218,14 +237,18 @@ static inline void plfx_walk_row(const plfx_whole_row *r)
     if (r->out) {
         out = *r->out;
     }
-    for (b = 0; b < r->blocks; b++) {
-        plfx_k_lane(r, &w);
+    for (b = 0; b < plfx_blocks_of(r); b++) {
+        if (b < r->blocks) {
+            plfx_k_lane(r, &w);
+            plfx_walk_on(r, &w, b);
+        } else {
+            plfx_slide_on(r, b, r->lead);
+        }
         if (out.code && b >= r->window - 1) {
             plfx_k_select(r->sum, r->lead, r->order, r->labels, r->fit, &out);
             out.code += PLFX_LANES;
             out.conf += out.conf ? PLFX_LANES : 0;
         }
-        plfx_walk_on(r, &w, b);
     }
 }
 #endif

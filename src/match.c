@@ -519,10 +519,13 @@ static void run_pair(plfx_match *m, int32_t p, const pass *s)
     }
     if (m->step[p]) { /* rows leave then, not costs */
         run_whole(m, p, s, cols);
-    } else {
-        run_general(m, p, s, cols);
+        return;
     }
-    for (b = m->blocks; s->emit && b < m->blocks + w - 1; b++) { /* one segment on */
+    run_general(m, p, s, cols);
+    if (PLFX_LANES == 1 || !s->emit) {
+        return;
+    }
+    for (b = m->blocks; b < m->blocks + w - 1; b++) { /* one segment on */
         plfx_k_slide(m->sum, cols + (size_t)(b - m->blocks) * cells + 1,
                      cols + (size_t)(b - w) * cells, m->labels, m->plan->sad_shift2,
                      lead_of(m));

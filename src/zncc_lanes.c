@@ -330,7 +330,7 @@ static void costs(const plfx_zncc_lanes *z, const norms *k, int16_t *restrict ou
         }
         out += PLFX_LANES;
     }
-    plfx_lead_end(z->lead, low);
+    plfx_lead_end(z->lead, low, out - PLFX_LANES);
 }
 
 /* The same for any exponents: windows of almost no contrast. */
@@ -357,7 +357,7 @@ static void costs_faint(const plfx_zncc_lanes *z, const norms *k, int16_t *restr
             low[i] = s < low[i] ? s : low[i];
         }
     }
-    plfx_lead_end(z->lead, low);
+    plfx_lead_end(z->lead, low, out);
 }
 
 /* A row of one pair: what enters and leaves, whether winners are wanted. */

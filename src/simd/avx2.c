@@ -347,6 +347,23 @@ ALWAYS lanes16 label(uint16_t *col, int16_t *sum, const uint16_t *leave, lanes16
     return s;
 }
 
+/* One label whose columns are up to date; the new sum. */
+ALWAYS lanes16 slide_label(int16_t *sum, const uint16_t *in, const uint16_t *out,
+                           int32_t kind, fine f)
+{
+    lanes16 c = LOAD(in);
+    lanes16 t = LOAD(out);
+    lanes16 s;
+
+    if (kind != EXACT) {
+        c = _mm256_srl_epi16(c, f.s2);
+        t = _mm256_srl_epi16(t, f.s2);
+    }
+    s = ADD(SUB(c, t), LOAD(sum));
+    STORE(sum, s);
+    return s;
+}
+
 /* All labels of a block, eight a turn; the least sums.  Both views move by `step`, 16
  * or -16, or as r says where it is 0. */
 ALWAYS lanes16 block(const plfx_whole_row *r, const plfx_walker *w, ptrdiff_t step,
@@ -391,20 +408,57 @@ ALWAYS lanes16 block(const plfx_whole_row *r, const plfx_walker *w, ptrdiff_t st
     return low;
 }
 
+/* Block b, a segment on: the least sums. */
+ALWAYS lanes16 slide(const plfx_whole_row *r, int32_t b, int32_t kind, fine f)
+{
+    const ptrdiff_t cells = (ptrdiff_t)r->labels * 16;
+    const uint16_t *in = r->col + (b - r->blocks) * cells + 1;
+    const uint16_t *out = r->col + (b - r->window) * cells;
+    int16_t *sum = r->sum;
+    const int16_t *end = sum + cells;
+    lanes16 low = ALL(INT16_MAX);
+
+#define MOVE(q) slide_label(sum + (q)*16, in + (q)*16, out + (q)*16, kind, f)
+    while (end - sum >= 8 * 16) {
+        lanes16 a = MIN(MOVE(0), MOVE(1));
+        lanes16 c = MIN(MOVE(2), MOVE(3));
+        low = MIN(low, MIN(a, c));
+        a = MIN(MOVE(4), MOVE(5));
+        c = MIN(MOVE(6), MOVE(7));
+        low = MIN(low, MIN(a, c));
+        sum += 8 * 16;
+        in += 8 * 16;
+        out += 8 * 16;
+    }
+    while (sum < end) {
+        low = MIN(low, MOVE(0));
+        sum += 16;
+        in += 16;
+        out += 16;
+    }
+    return low;
+}
+
 ALWAYS void row(const plfx_whole_row *r, int32_t kind, ptrdiff_t step)
 {
     const plfx_whole_row k = *r; /* a copy: stores cannot change it */
     const fine f = {_mm_cvtsi32_si128(k.s1), _mm_cvtsi32_si128(k.s2)};
+    const int32_t n = plfx_blocks_of(r);
     plfx_walker w = plfx_walk_start(r);
     int32_t b;
 
-    for (b = 0; b < k.blocks; b++) {
-        lanes16 low = block(&k, &w, step, kind, f);
+    for (b = 0; b < n; b++) {
+        lanes16 low;
+        if (b < k.blocks) {
+            low = block(&k, &w, step, kind, f);
+            plfx_walk_on(&k, &w, b);
+        } else {
+            low = slide(&k, b, kind, f);
+        }
         if (k.out && b >= k.window - 1) {
             plfx_winners out = plfx_out_of(&k, b);
             select_lanes(k.sum, low, k.order, k.labels, k.fit, &out);
         }
-        plfx_walk_on(&k, &w, b);
     }
 }
 
