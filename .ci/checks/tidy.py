@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""clang-tidy 14 with .clang-tidy over core, ports and tools.
-usage: tidy.py BUILD-FOLDER core|all      the folder was configured with clang
+"""clang-tidy 14 with .clang-tidy over the core, or over ports and tools.
+usage: tidy.py BUILD-FOLDER core|rest     the folder was configured with clang
        tidy.py - FILE.c ..."""
 import concurrent.futures
 import json
@@ -12,16 +12,16 @@ import sys
 import common
 
 common.need('clang-tidy-14')
+FOLDERS = {'core': ('src',), 'rest': ('port', 'tools')}
 folder = pathlib.Path(sys.argv[1])
 scope = sys.argv[2]
-named = [pathlib.Path(a) for a in sys.argv[2:]] if scope not in ('core', 'all') else []
+named = [pathlib.Path(a) for a in sys.argv[2:]] if scope not in FOLDERS else []
 
 
 def from_database():
     entries = json.loads((folder / 'compile_commands.json').read_text())
     files = {(folder / e['file']).resolve() for e in entries}
-    folders = ('src', 'port', 'tools') if scope == 'all' else ('src',)
-    inside = [common.ROOT / d for d in folders]
+    inside = [common.ROOT / d for d in FOLDERS[scope]]
     return sorted(f for f in files if any(d in f.parents for d in inside))
 
 
