@@ -126,7 +126,7 @@ static void write_slopes(const plfx_judge *m, int32_t *restrict slope)
 
     if (part == 0) { /* labels whole steps of 2^-16 apart: nothing to divide */
         for (i = r; i < end; i++) {
-            uint32_t t = (uint32_t)(16 * (code[i] >> 5) + (code[i] & 31) - 8);
+            uint16_t t = (uint16_t)(((code[i] >> 1) & ~15) + (code[i] & 31) - 8);
             uint32_t s = base + whole * t;
             slope[i] = no[i] ? PLFX_SLOPE_NONE : (int32_t)s;
         }
