@@ -29,6 +29,8 @@ CASES = [
     ('instructions that grow', 'instructions.py',
      ['--report', 'instructions_old.csv', 'instructions_now.csv'],
      r'golden kernels: 100000 -> 102500'),
+    ('instructions a cell that grow', '../../tests/bench/icount.py',
+     ['--report', 'icount_held.csv', 'icount_now.csv'], r'planted SAD: GREW over 4.000'),
     ('licence line', 'style.py', ['style.c'], r'licence line'),
     ('no tab', 'style.py', ['style.c'], r'style.c:2: tab'),
     ('no trailing blank', 'style.py', ['style.c'], r'style.c:2: trailing blank'),

@@ -3,11 +3,13 @@
 """Instructions a cell of the kernels, by valgrind's callgrind.
 
 usage: icount.py PLENOFIX [--check | --update] [--key KEY] [--cases WORD]
+       icount.py --report HELD.csv COUNTED.csv
 
 A cell is one sample and one label.  The counts depend on the compiler and its options, so
 each line of icount.csv has a key, "gcc VERSION BUILD"; --key names the build, which is
 "baseline" without it.  --check fails when a count grew by over 2 % and only reports for
-unknown keys; --cases takes those whose name begins with WORD.  Ends with status 77
+unknown keys; --cases takes those whose name begins with WORD.  --report counts nothing: it
+compares two tables and fails as --check would.  Ends with status 77
 (skipped) where valgrind is missing."""
 import argparse
 import csv
@@ -40,7 +42,29 @@ def count(program, name, functions):
     return int(re.search(r'Collected : (\d+)', done.stderr).group(1))
 
 
+def read(path):
+    rows = list(csv.DictReader(path.open())) if path.exists() else []
+    return {(r['key'], r['case']): float(r['per_cell']) for r in rows}
+
+
+def verdict(per_cell, limit):
+    if limit is None:
+        return 'not in icount.csv'
+    return f'{"GREW over" if per_cell > 1.02 * limit else "held at"} {limit:.3f}'
+
+
+def report(held, counted):
+    """How many cases grew."""
+    limits = read(pathlib.Path(held))
+    told = {at: verdict(n, limits.get(at)) for at, n in read(pathlib.Path(counted)).items()}
+    for (key, name), text in told.items():
+        print(f'{key} {name}: {text}')
+    return sum(text.startswith('GREW') for text in told.values())
+
+
 def main():
+    if sys.argv[1:2] == ['--report']:
+        sys.exit(1 if report(*sys.argv[2:]) else 0)
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('program')
     parser.add_argument('--key', default='baseline')
@@ -54,21 +78,15 @@ def main():
     version = subprocess.run(['cc', '-dumpfullversion'], capture_output=True, text=True,
                              check=True).stdout.strip()
     key = f'gcc {version} {args.key}'
-    rows = list(csv.DictReader(TABLE.open())) if TABLE.exists() else []
-    known = {(r['key'], r['case']): float(r['per_cell']) for r in rows}
+    known = read(TABLE)
     grown = 0
     for name, (functions, cells) in CASES.items():
         if not name.startswith(args.cases):
             continue
         per_cell = count(args.program, name, functions) / cells
-        limit = known.get((key, name))
-        verdict = 'not in icount.csv'
-        if limit is not None:
-            verdict = f'held at {limit:.3f}'
-            if per_cell > 1.02 * limit:
-                verdict = f'GREW over {limit:.3f}'
-                grown += 1
-        print(f'{name:32} {per_cell:8.3f} instructions a cell, {verdict}')
+        told = verdict(per_cell, known.get((key, name)))
+        grown += told.startswith('GREW')
+        print(f'{name:32} {per_cell:8.3f} instructions a cell, {told}')
         known[(key, name)] = per_cell
     if args.update:
         with TABLE.open('w', newline='') as out:
