@@ -10,7 +10,7 @@
 #if PLFX_LANES >= 8
 #define RUN   3 /* views side by side from which they are sampled at once, */
 #define SIDE  PLFX_RUN_VIEWS /* so many at most */
-#define CHUNK 120            /* views whose displacements are held at once */
+#define CHUNK 176            /* views whose displacements are held at once */
 #else                        /* small cores: view by view, little code and stack */
 #define SIDE  1
 #define CHUNK 16
@@ -45,7 +45,8 @@ typedef struct sampler { /* what is the same for every lens of a call */
     plfx_curve curve;
     int32_t w, h, down, white;
     uint32_t half;
-    int32_t fine; /* 1: plain pixels of 12 bits and less */
+    int32_t fine;  /* 1: plain pixels of 12 bits and less */
+    int32_t aimed; /* 1: displacements are those of the first chunk */
     /* Displacements of views: whole pixels, and the rest in 2^-16. */
     int16_t x_px[CHUNK], y_px[CHUNK];
     uint16_t x_u16[CHUNK + SIDE], y_u16[CHUNK + SIDE];
@@ -395,6 +396,7 @@ static void start(sampler *s, const plfx_lut *lut, const plfx_raw *raw,
     s->half = (1u << s->down) >> 1;
     s->white = white && lut->gain.length > 0;
     s->fine = s->px && raw->bits <= 12;
+    s->aimed = 0;
 }
 
 /* Views from at[0] on that lie side by side, one pixel apart. */
@@ -459,7 +461,10 @@ static void fill(sampler *s, const plfx_tone *tone, const plfx_offset *at, int32
 
     for (k = 0; k < n; k += m) {
         m = chunk_of(at + k, n - k);
-        aim(s, tone, at + k, m);
+        if (m < n || !s->aimed) {
+            aim(s, tone, at + k, m);
+            s->aimed = 1;
+        }
         for (j = j0; j < j1; j++) {
             size_t row = (size_t)j * (size_t)out->n + (size_t)(k0 + k);
             fill_row(s, at + k, m, j, out->px + row * (size_t)out->nx);
