@@ -341,6 +341,7 @@ static int plan_arms(plfx_plan *plan, const camera *c, plfx_frame_cfg *frame)
 }
 
 /* One frame through the stream; 0 when a call fails. */
+/* NOLINTNEXTLINE(readability-non-const-parameter): rows of the map are written to it */
 static int stream_frame(plfx_stream *s, const camera *c, int32_t *slope)
 {
     plfx_map row = {slope, NULL, NULL, NULL, LENSES_X, 1, LENSES_X};

@@ -426,7 +426,7 @@ static int write_table(const request *r, const centres *c, const plft_lattice *l
 static int run(const request *r)
 {
     centres c;
-    plft_lattice l;
+    plft_lattice l = {0};
     planes p = {NULL, NULL};
     size_t n;
     int labelled, rc = read_centres(&c, r->csv, &labelled);

@@ -210,10 +210,13 @@ static int resolve(int argc, char **argv, request *r, int *helped)
         rc =
             plft_fail(PLFT_USAGE, "plan: want --optics O.json, or --focal and --focus");
     }
-    if (rc == 0 && r->lenses == NULL) {
-        rc = plft_fail(PLFT_USAGE, "plan: want --lenses COLUMNSxROWS");
+    if (rc != 0) {
+        return rc;
     }
-    rc = rc ? rc : parse_pair(r->lenses, "--lenses", 2, 4096, &r->c.nx, &r->c.ny);
+    if (r->lenses == NULL) {
+        return plft_fail(PLFT_USAGE, "plan: want --lenses COLUMNSxROWS");
+    }
+    rc = parse_pair(r->lenses, "--lenses", 2, 4096, &r->c.nx, &r->c.ny);
     if (rc == 0 && r->region != NULL) {
         rc = parse_pair(r->region, "--region", 3, 2 * PLFX_ROI_HALF_MAX + 1, &r->u.w,
                         &r->u.h);

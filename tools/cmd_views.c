@@ -74,7 +74,7 @@ static int shrunk(const plft_square *sq, const uint16_t *flat, int bits, int x, 
             n++;
         }
     }
-    return (int)((sum / n) >> (bits - 8));
+    return n > 0 ? (int)((sum / n) >> (bits - 8)) : 0;
 }
 
 static int sheet_add(sheet *s, const plft_square *sq, const plft_frame *f,

@@ -357,6 +357,14 @@ static int none_queued(const plfx_v4l2 *v)
     return 1;
 }
 
+/* Waits for a buffer; 1: the device is gone. */
+static int lost_while_waiting(const plfx_v4l2 *v, int64_t ms)
+{
+    struct pollfd wait = {v->file, POLLIN, 0};
+
+    return poll(&wait, 1, (int)ms) > 0 && (wait.revents & (POLLERR | POLLHUP));
+}
+
 static plfx_status v4l2_acquire(void *context, uint32_t timeout_ms,
                                 plfx_camera_frame *frame)
 {
@@ -372,17 +380,13 @@ static plfx_status v4l2_acquire(void *context, uint32_t timeout_ms,
         return PLFX_E_STATE;
     }
     do { /* at most until the timeout */
-        struct pollfd wait = {v->file, POLLIN, 0};
         struct v4l2_buffer b;
         describe(&b, 0);
         if (call(v, VIDIOC_DQBUF, &b) == 0) {
             if (judge(v, &b, frame)) {
                 return PLFX_OK;
             }
-        } else if (v->error != EAGAIN) {
-            return PLFX_E_DEVICE;
-        } else if (poll(&wait, 1, (int)left) > 0 &&
-                   (wait.revents & (POLLERR | POLLHUP))) {
+        } else if (v->error != EAGAIN || lost_while_waiting(v, left)) {
             return PLFX_E_DEVICE;
         }
         left = until - now_ms();

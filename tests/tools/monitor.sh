@@ -151,6 +151,10 @@ bad 1 'region 0: want x_mm' monitor f -o x.csv
 bad 1 '65 regions, want 1 to 64' monitor f -o x.csv
 [ ! -e x.csv ]
 printf 'i,j,hx,hy\n10,9,3,4\n12,9,3,4\n' >r.csv
+mkdir many
+(cd many && seq -f 'f_%06g.png' 0 65536 | xargs touch)
+bad 1 'too many files (65536)' monitor many -o x.csv
+rm -rf many
 monitor f -o x.csv --rest 4 >log 2>err
 grep -q 'overlap: their errors are not independent' err
 echo "monitor and decode work"

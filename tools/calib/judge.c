@@ -349,7 +349,7 @@ static int finish_centres(plft_calib *c)
     double largest = 0.0;
     int i, j;
 
-    c->final = malloc((size_t)(f->nx * f->ny) * sizeof *c->final);
+    c->final = calloc((size_t)(f->nx * f->ny), sizeof *c->final);
     if (c->final == NULL) {
         return fail(c, "out of memory");
     }

@@ -320,7 +320,7 @@ static void distances(const plft_model *m, const plft_field *f, double *d)
 static int flag_outliers(const plft_model *m, const plft_field *f, double cut)
 {
     const int n = f->nx * f->ny;
-    double *d = malloc(2u * (size_t)n * sizeof *d), limit;
+    double *d = calloc(2u * (size_t)n, sizeof *d), limit;
     int k, count = 0, changed = 0;
 
     if (d == NULL) {

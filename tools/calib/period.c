@@ -113,7 +113,8 @@ static void taper_lags(const float *taper, int n, float *lags)
     }
 }
 
-static void to_correlation(float *z, const float *lx, const float *ly, correlation *c)
+static void to_correlation(const float *z, const float *lx, const float *ly,
+                           correlation *c)
 {
     const float r0 = z[0];
     int x, y;

@@ -389,6 +389,7 @@ static void lens_map(const page *p)
     free(px);
 }
 
+/* NOLINTNEXTLINE(misc-no-recursion): objects of `figures` nest once */
 static void table(const page *p, const json_t *figures)
 {
     const char *key;

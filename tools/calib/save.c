@@ -143,19 +143,19 @@ static uint8_t *blob_of(const plft_saved *s, const char *path, plfx_lut *lut,
     return NULL;
 }
 
-int plft_saved_agrees(const plft_saved *s, const plft_grey *g, const char *path)
+int plft_saved_agrees(const plft_saved *saved, const plft_grey *frame, const char *path)
 {
     plft_frame f;
     plft_drift d;
     plfx_lut lut;
     size_t bytes;
-    uint8_t *blob = blob_of(s, path, &lut, &bytes);
+    uint8_t *blob = blob_of(saved, path, &lut, &bytes);
     int status = blob != NULL ? 0 : PLFT_DATA;
 
     memset(&f, 0, sizeof f);
-    f.px = g->px;
-    f.w = g->w;
-    f.h = g->h;
+    f.px = frame->px;
+    f.w = frame->w;
+    f.h = frame->h;
     f.bits = 16;
     if (status == 0 && plft_drift_find(&d, &lut, &f, LENSES) != 0 &&
         d.state != PLFX_DRIFT_FEW) {

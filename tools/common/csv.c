@@ -117,7 +117,7 @@ static int take_line(plft_csv *csv, size_t *room, const char *p, const char *end
     if (n < 0 && csv->rows == 0 && csv->header == NULL) {
         return keep_header(csv, p, end);
     }
-    if (n < 0) {
+    if (n < 1) {
         return plft_fail(PLFT_DATA, "%s: line %zu: not a row of numbers", name, line);
     }
     if (csv->rows == 0) {

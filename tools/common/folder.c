@@ -81,9 +81,12 @@ static int is_numbered(const char *name)
 static int add(plft_names *names, const char *name)
 {
     if (names->n % 64 == 0) {
-        char **p = (char **)realloc(names->name,
-                                    ((size_t)names->n + 64) * sizeof *names->name);
-        if (p == NULL || names->n >= FILES_MAX) {
+        char **p = NULL;
+        if (names->n < FILES_MAX) {
+            p = (char **)realloc(names->name,
+                                 ((size_t)names->n + 64) * sizeof *names->name);
+        }
+        if (p == NULL) {
             return plft_fail(PLFT_DATA, "too many files (%d)", names->n);
         }
         names->name = p;

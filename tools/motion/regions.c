@@ -73,7 +73,7 @@ static int fill(plfx_roi_cfg *cfg, const plft_csv *csv, const int col[5],
 int plft_regions_read(plfx_roi_cfg *cfg, const char *path)
 {
     plft_csv csv;
-    int col[5];
+    int col[5] = {0};
     int rc = plft_csv_read(&csv, path);
 
     if (rc != 0) {

@@ -56,7 +56,7 @@ int plft_camera_ready(plft_camera *cam, uint64_t seed)
     int i, j;
 
     cam->L = 1.0 / (1.0 / cam->F - 1.0 / cam->focus);
-    cam->centre = malloc(2 * n * sizeof *cam->centre);
+    cam->centre = calloc(2 * n, sizeof *cam->centre);
     cam->gain = malloc(n * sizeof *cam->gain);
     if (!cam->centre || !cam->gain) {
         plft_camera_free(cam);
