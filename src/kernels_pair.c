@@ -408,7 +408,8 @@ static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
                             const uint16_t *restrict leave,
                             const int16_t *restrict right, const int16_t *restrict gone,
                             const int16_t *restrict here, const int16_t *restrict there,
-                            int16_t *restrict low, int32_t kind, const fine *f)
+                            int16_t *restrict low, int32_t kind, const fine *f,
+                            int32_t whole)
 {
     int32_t i;
 
@@ -417,26 +418,31 @@ static inline void label_of(uint16_t *restrict col, int16_t *restrict sum,
         uint16_t in = (uint16_t)plfx_apart(here[i], right[i]);
         uint16_t out = (uint16_t)plfx_apart(there[i], gone[i]);
         uint16_t c;
-        uint16_t t;
+        uint16_t t = 0;
         int16_t s;
         if (kind == COARSE) {
             in = plfx_scaled(in, f->k[i]);
             out = plfx_scaled(out, f->k[i]);
         }
         c = (uint16_t)(col[i] + in - out);
-        t = leave[i];
+        if (whole) {
+            t = leave[i];
+        }
         s = (int16_t)(kind == EXACT
                           ? sum[i] + c - t
                           : sum[i] + plfx_scaled(c, f->m[i]) - plfx_scaled(t, f->m[i]));
         col[i] = c;
         sum[i] = s;
-        low[i] = s < low[i] ? s : low[i];
+        if (whole) {
+            low[i] = s < low[i] ? s : low[i];
+        }
     }
 }
 
-/* All labels of a block, two a turn. */
+/* All labels of a block, two a turn; no column leaves and none is least ahead of the
+ * first whole window. */
 static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32_t kind,
-                            const fine *f, plfx_lead *lead)
+                            const fine *f, plfx_lead *lead, int32_t whole)
 {
     uint16_t *restrict col = w->col;
     int16_t *restrict sum = r->sum;
@@ -456,9 +462,10 @@ static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32
     }
     plfx_lead_start(lead, low);
     for (l = 0; l + 1 < r->labels; l += 2) {
-        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
+        label_of(col, sum, leave, right, gone, here, there, low, kind, f, whole);
         label_of(col + PLFX_LANES, sum + PLFX_LANES, leave + PLFX_LANES,
-                 right + r->step, gone + r->gone_step, here, there, low, kind, f);
+                 right + r->step, gone + r->gone_step, here, there, low, kind, f,
+                 whole);
         col += 2 * PLFX_LANES;
         sum += 2 * PLFX_LANES;
         leave += 2 * PLFX_LANES;
@@ -466,9 +473,11 @@ static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32
         gone += 2 * r->gone_step;
     }
     if (l < r->labels) {
-        label_of(col, sum, leave, right, gone, here, there, low, kind, f);
+        label_of(col, sum, leave, right, gone, here, there, low, kind, f, whole);
     }
-    plfx_lead_end(lead, low, r->sum);
+    if (whole) {
+        plfx_lead_end(lead, low, r->sum);
+    }
 }
 
 static inline void fit_one(const plfx_whole_row *r, plfx_won *won, int16_t *code)
@@ -483,6 +492,7 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
 {
     const plfx_whole_row k = *r; /* a copy: stores cannot change it */
     const int32_t n = plfx_blocks_of(r);
+    const int32_t before = plfx_blocks_before(r);
     plfx_walker w = plfx_walk_start(r);
     plfx_lead lead[2];
     plfx_won won[2];
@@ -493,20 +503,22 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
     plfx_factor_of(f.m, k.s2);
     won[0].best = lead[0].least;
     won[1].best = lead[1].least;
-    for (b = 0; b < n; b++) {
-        plfx_won *now = won + (b & 1);
+    for (b = 0; b < before; b++) {
+        block_of(&k, &w, kind, &f, lead, 0);
+        plfx_walk_on(&k, &w, b);
+    }
+    for (; b < n; b++) { /* with winners */
+        plfx_winners out = plfx_out_of(&k, b);
+        plfx_lead *led = lead + (b & 1);
         if (b < k.blocks) {
-            block_of(&k, &w, kind, &f, lead + (b & 1));
+            block_of(&k, &w, kind, &f, led, 1);
             plfx_walk_on(&k, &w, b);
         } else {
-            plfx_slide_on(&k, b, lead + (b & 1));
+            plfx_slide_on(&k, b, led);
         }
-        if (k.out && b >= k.window - 1) {
-            plfx_winners out = plfx_out_of(&k, b);
-            find_winners(k.sum, lead + (b & 1), k.order, k.labels, &out, now);
-            if (b >= k.window) {
-                fit_one(&k, won + (~b & 1), out.code - PLFX_LANES);
-            }
+        find_winners(k.sum, led, k.order, k.labels, &out, won + (b & 1));
+        if (b > before) {
+            fit_one(&k, won + (~b & 1), out.code - PLFX_LANES);
         }
     }
     if (k.out) {

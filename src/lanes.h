@@ -215,6 +215,12 @@ static inline int32_t plfx_blocks_of(const plfx_whole_row *r)
     return r->blocks + (r->out && PLFX_LANES > 1 ? r->window - 1 : 0);
 }
 
+/* Blocks ahead of the first winners. */
+static inline int32_t plfx_blocks_before(const plfx_whole_row *r)
+{
+    return r->out ? r->window - 1 : r->blocks; /* window: at most blocks */
+}
+
 /* Block b, a segment on. */
 static inline void plfx_slide_on(const plfx_whole_row *r, int32_t b, plfx_lead *lead)
 {

@@ -324,7 +324,8 @@ typedef struct fine {
     __m128i s1, s2;
 } fine;
 
-/* One label: differences `in` enter and `out` leave; the new sum. */
+/* One label: differences `in` enter and `out` leave; the new sum.  No column leaves
+ * (NULL) ahead of the first whole window. */
 ALWAYS lanes16 label(uint16_t *col, int16_t *sum, const uint16_t *leave, lanes16 in,
                      lanes16 out, int32_t kind, fine f)
 {
@@ -336,10 +337,10 @@ ALWAYS lanes16 label(uint16_t *col, int16_t *sum, const uint16_t *leave, lanes16
         out = _mm256_srl_epi16(out, f.s1);
     }
     c = ADD(SUB(in, out), LOAD(col));
-    if (kind == EXACT) {
-        s = SUB(c, LOAD(leave));
-    } else {
-        s = SUB(_mm256_srl_epi16(c, f.s2), _mm256_srl_epi16(LOAD(leave), f.s2));
+    s = kind == EXACT ? c : _mm256_srl_epi16(c, f.s2);
+    if (leave) {
+        lanes16 t = LOAD(leave);
+        s = SUB(s, kind == EXACT ? t : _mm256_srl_epi16(t, f.s2));
     }
     s = ADD(s, LOAD(sum));
     STORE(col, c);
@@ -364,10 +365,10 @@ ALWAYS lanes16 slide_label(int16_t *sum, const uint16_t *in, const uint16_t *out
     return s;
 }
 
-/* All labels of a block, eight a turn; the least sums.  Both views move by `step`, 16
+/* All labels of a block, eight a turn; the least sums, of whole windows.  Both views move by `step`, 16
  * or -16, or as r says where it is 0. */
 ALWAYS lanes16 block(const plfx_whole_row *r, const plfx_walker *w, ptrdiff_t step,
-                     int32_t kind, fine f)
+                     int32_t kind, fine f, int32_t whole)
 {
     const uint16_t *end = w->col + (ptrdiff_t)r->labels * 16;
     const ptrdiff_t up = step ? step : r->step;
@@ -382,8 +383,8 @@ ALWAYS lanes16 block(const plfx_whole_row *r, const plfx_walker *w, ptrdiff_t st
     lanes16 low = ALL(INT16_MAX);
 
 #define TAKE(q)                                                                        \
-    label(col + (q)*16, sum + (q)*16, leave + (q)*16, apart(here, right + (q)*up),     \
-          apart(there, gone + (q)*gone_up), kind, f)
+    label(col + (q)*16, sum + (q)*16, whole ? leave + (q)*16 : NULL,                   \
+          apart(here, right + (q)*up), apart(there, gone + (q)*gone_up), kind, f)
 #define STEP(labels)                                                                   \
     col += (labels)*16;                                                                \
     sum += (labels)*16;                                                                \
@@ -444,21 +445,25 @@ ALWAYS void row(const plfx_whole_row *r, int32_t kind, ptrdiff_t step)
     const plfx_whole_row k = *r; /* a copy: stores cannot change it */
     const fine f = {_mm_cvtsi32_si128(k.s1), _mm_cvtsi32_si128(k.s2)};
     const int32_t n = plfx_blocks_of(r);
+    const int32_t before = plfx_blocks_before(r);
     plfx_walker w = plfx_walk_start(r);
     int32_t b;
 
-    for (b = 0; b < n; b++) {
+    for (b = 0; b < before; b++) {
+        (void)block(&k, &w, step, kind, f, 0);
+        plfx_walk_on(&k, &w, b);
+    }
+    for (; b < n; b++) { /* with winners */
         lanes16 low;
+        plfx_winners out;
         if (b < k.blocks) {
-            low = block(&k, &w, step, kind, f);
+            low = block(&k, &w, step, kind, f, 1);
             plfx_walk_on(&k, &w, b);
         } else {
             low = slide(&k, b, kind, f);
         }
-        if (k.out && b >= k.window - 1) {
-            plfx_winners out = plfx_out_of(&k, b);
-            select_lanes(k.sum, low, k.order, k.labels, k.fit, &out);
-        }
+        out = plfx_out_of(&k, b);
+        select_lanes(k.sum, low, k.order, k.labels, k.fit, &out);
     }
 }
 
