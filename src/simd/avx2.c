@@ -144,30 +144,46 @@ ALWAYS lanes16 apart(lanes16 a, const int16_t *b)
     return _mm256_abs_epi16(SUB(a, LOAD(b))); /* samples: 12 bits, no overflow */
 }
 
-/* 16-bit cells at eight offsets by loads of 32 bits, of which one half counts: none of
- * them leaves the sums and their two spare labels. */
-#define GATHER(base, at)                                                               \
-    _mm256_i32gather_epi32((const int *)(const void *)(base), at, 2)
-
 /* Least sums of a block, where they stand (cells), and those beside them. */
 typedef struct trio {
     lanes16 at, best, next, before;
 } trio;
 
+/* Those beside eight cells, one by one: gathers take half as many instructions and more
+ * time. */
+#define BESIDE(i)                                                                      \
+    cell = (size_t)_mm_extract_epi16(at, i);                                           \
+    *next = _mm_insert_epi16(*next, sum[cell + 16], i);                                \
+    *before = _mm_insert_epi16(*before, sum[cell - 16], i)
+ALWAYS void look_beside_8(const int16_t *sum, __m128i at, __m128i *next,
+                          __m128i *before)
+{
+    size_t cell;
+
+    *next = _mm_setzero_si128();
+    *before = _mm_setzero_si128();
+    BESIDE(0);
+    BESIDE(1);
+    BESIDE(2);
+    BESIDE(3);
+    BESIDE(4);
+    BESIDE(5);
+    BESIDE(6);
+    BESIDE(7);
+}
+
 ALWAYS trio look_beside(const int16_t *sum, lanes16 best, lanes16 at)
 {
-    lanes16 zero = _mm256_setzero_si256();
-    lanes16 lo = _mm256_unpacklo_epi16(at, zero); /* at < 2^15 */
-    lanes16 hi = _mm256_unpackhi_epi16(at, zero);
+    __m128i next[2];
+    __m128i before[2];
     trio t;
 
+    look_beside_8(sum, _mm256_castsi256_si128(at), next, before);
+    look_beside_8(sum, _mm256_extracti128_si256(at, 1), next + 1, before + 1);
     t.at = at;
     t.best = best;
-    t.next = _mm256_packus_epi32(_mm256_srli_epi32(GATHER(sum + 15, lo), 16),
-                                 _mm256_srli_epi32(GATHER(sum + 15, hi), 16));
-    t.before =
-        _mm256_packus_epi32(_mm256_blend_epi16(GATHER(sum - 16, lo), zero, 0xaa),
-                            _mm256_blend_epi16(GATHER(sum - 16, hi), zero, 0xaa));
+    t.next = _mm256_set_m128i(next[1], next[0]);
+    t.before = _mm256_set_m128i(before[1], before[0]);
     return t;
 }
 
@@ -365,8 +381,8 @@ ALWAYS lanes16 slide_label(int16_t *sum, const uint16_t *in, const uint16_t *out
     return s;
 }
 
-/* All labels of a block, eight a turn; the least sums, of whole windows.  Both views move by `step`, 16
- * or -16, or as r says where it is 0. */
+/* All labels of a block, eight a turn; the least sums, of whole windows.  Both views
+ * move by `step`, 16 or -16, or as r says where it is 0. */
 ALWAYS lanes16 block(const plfx_whole_row *r, const plfx_walker *w, ptrdiff_t step,
                      int32_t kind, fine f, int32_t whole)
 {
