@@ -26,7 +26,7 @@ typedef struct request { /* as the command line names it */
     double texture, unique;
     int preset; /* plfx_preset_id, or NOT_GIVEN */
     double noise;
-    int window_given, texture_given;
+    int window_given, texture_given, band_pass;
 } request;
 
 typedef struct job { /* as it is run */
@@ -269,6 +269,7 @@ static int prepare(request *r, job *j)
         return rc;
     }
     j->field.device = j->device;
+    j->field.band_pass = r->band_pass;
     if (r->optics != NULL) {
         rc = plft_optics_read(&j->optics, r->optics, j->field.lut == NULL);
     }
@@ -315,18 +316,19 @@ static json_t *config_json(const request *r, const job *j)
                                           "gradient"};
     const plfx_cfg *c = &j->cfg;
 
-    return json_pack(
-        "{s:o,s:i,s:f,s:s,s:s,s:s,s:s,s:i,s:[f,f,i],s:b,s:o,s:f,s:f,s:f,s:f,s:i,s:f}",
-        "preset", preset_json(r), "views_left_out", j->preset.left_out, "noise",
-        j->preset.frame.noise_q4 / 16.0, "method",
-        r->preset == NOT_GIVEN ? methods[r->wish.method] : "arms", "cost",
-        c->cost == PLFX_COST_SAD ? "sad" : "zncc", "fit",
-        c->fit == PLFX_FIT_VEE ? "vee" : "parabola", "fuse",
-        c->fuse == PLFX_FUSE_MEDIAN ? "median" : "correlation", "window", c->window,
-        "slopes", j->lo, j->hi, j->labels, "slopes_found", j->found, "views",
-        views_json(j), "radius", r->wish.radius, "step", r->wish.step, "texture",
-        r->texture, "unique", r->unique, "view_bits", j->field.bits, "tone_gain",
-        j->field.tone_gain);
+    return json_pack("{s:o,s:i,s:f,s:s,s:s,s:s,s:s,s:i,s:[f,f,i],s:b,s:o,s:f,s:f,s:f,s:"
+                     "b,s:f,s:i,s:f}",
+                     "preset", preset_json(r), "views_left_out", j->preset.left_out,
+                     "noise", j->preset.frame.noise_q4 / 16.0, "method",
+                     r->preset == NOT_GIVEN ? methods[r->wish.method] : "arms", "cost",
+                     c->cost == PLFX_COST_SAD ? "sad" : "zncc", "fit",
+                     c->fit == PLFX_FIT_VEE ? "vee" : "parabola", "fuse",
+                     c->fuse == PLFX_FUSE_MEDIAN ? "median" : "correlation", "window",
+                     c->window, "slopes", j->lo, j->hi, j->labels, "slopes_found",
+                     j->found, "views", views_json(j), "radius", r->wish.radius, "step",
+                     r->wish.step, "texture", r->texture, "band_pass", r->band_pass,
+                     "unique", r->unique, "view_bits", j->field.bits, "tone_gain",
+                     j->field.tone_gain);
 }
 
 static json_t *flags_json(const plft_depth_stats *s)
@@ -453,6 +455,8 @@ int plft_cmd_depth(int argc, char **argv)
          "of the outermost views, pixels; the table's"},
         {"--step", PLFT_REAL, &r.wish.step, "S", 0.1, 127,
          "of gradient and --adjacent, pixels; a third of R"},
+        {"--band-pass", PLFT_FLAG, &r.band_pass, NULL, 0, 0,
+         "match what repeats in 4 to 11 lenses: uneven brightness without --white"},
         {"--texture", PLFT_REAL, &r.texture, "T", 0, 255,
          "least mean gradient, 1/1000 of full scale; over the noise"},
         {"--unique", PLFT_REAL, &r.unique, "C", 0, 1, "least confidence; 0"},

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common/arrange.h"
+#include "common/band_pass.h"
 #include "common/err.h"
 #include "common/memory.h"
 #include "plenofix/viewcheck.h"
@@ -127,17 +128,24 @@ static int judge_views(plft_preset *p, const plfx_plan *plan, const plfx_views *
     return skip[plan->cfg.ref];
 }
 
+/* Noise of the views and, when asked, the band of them that is matched. */
+static int filter(plft_preset *p, int band_pass, int bits, plfx_views *views)
+{
+    double noise = p->noise >= 0 ? 16 * p->noise
+                                 : plfx_views_noise_q4(views, bits, PLFX_VIEWS_ALL);
+
+    noise *= band_pass ? PLFT_BAND_NOISE : 1.0;
+    p->frame.noise_q4 = (uint16_t)lround(noise < 0 ? 0 : noise > 256 ? 256 : noise);
+    return band_pass ? plft_band_pass(views, bits) : 0;
+}
+
 static int run(plft_preset *p, const plfx_plan *plan, const plfx_views *views,
                const uint8_t *skip, const plfx_map *map)
 {
     size_t n;
     void *ws;
     plfx_status status;
-    int noise = p->noise >= 0
-                    ? (int)lround(16 * p->noise)
-                    : plfx_views_noise_q4(views, plan->cfg.bits, PLFX_VIEWS_ALL);
 
-    p->frame.noise_q4 = (uint16_t)(noise < 0 ? 0 : noise > 256 ? 256 : noise);
     n = plfx_frame_ws(plan, &p->frame);
     ws = plft_alloc_ws(n);
     if (ws == NULL) {
@@ -156,14 +164,19 @@ int plft_preset_match(plft_preset *p, const plfx_plan *plan, const plft_field *f
     double t0 = plft_cpu_s(), t1;
     double unit = 256.0 * (field->scale > 0 ? field->scale : 1);
     uint8_t skip[PLFX_VIEWS_MAX];
+    plft_field plain = *field; /* what is out of order is judged before the band pass */
     plfx_views views;
-    int rc = plft_field_views(field, plan->cfg.at, plan->cfg.n, &views);
+    int rc;
+
+    plain.band_pass = 0;
+    rc = plft_field_views(&plain, plan->cfg.at, plan->cfg.n, &views);
 
     t1 = plft_cpu_s();
     times->extract += t1 - t0;
     if (rc == 0) {
         memset(skip, 0, sizeof skip);
         rc = judge_views(p, plan, &views, unit, skip);
+        rc = rc != 0 ? rc : filter(p, field->band_pass, plan->cfg.bits, &views);
         rc = rc != 0 ? rc : run(p, plan, &views, skip, map);
         free(views.px);
     }

@@ -114,6 +114,12 @@ status=0
 depth gap --preset onboard >/dev/null 2>d.err || status=$?
 [ $status = 1 ] && [ "$(wc -l <d.err)" = 1 ] && grep -q '24' d.err
 
+# The band pass comes after views are judged: they are named and left out as before.
+depth clipped --preset onboard --band-pass --json >d.json 2>d.err
+grep -q 'view at (-2, 0) is saturated and left out' d.err
+"$plenofix" evaluate d.pfm truth.pfm --border 8 --json >e.json
+under "BadPix of the band" "$(figure badpix_0.07 e.json)" 3
+
 # Confidence and standard error stand in every point.
 depth good --preset onboard --ply p.ply --sigma s.pfm --confidence c.pfm >/dev/null
 head -c 400 p.ply | grep -aq 'property float confidence'

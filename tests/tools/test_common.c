@@ -15,6 +15,7 @@
 #include <tiffio.h>
 
 #include "common/args.h"
+#include "common/band_pass.h"
 #include "common/colour.h"
 #include "common/csv.h"
 #include "common/err.h"
@@ -415,15 +416,73 @@ static int finish(void **state)
     return rmdir(folder);
 }
 
+#define BAND_X 13
+#define BAND_Y 9
+
+static long at_rim(const uint16_t *px, int x, int y)
+{
+    x = x < 0 ? 0 : x >= BAND_X ? BAND_X - 1 : x;
+    y = y < 0 ? 0 : y >= BAND_Y ? BAND_Y - 1 : y;
+    return px[(size_t)y * 2 * BAND_X + (size_t)x];
+}
+
+/* The formula of band_pass.h, sample by sample; rows of two views lie in turns. */
+static uint16_t band_sample(const uint16_t *px, int x, int y, int bits)
+{
+    long full = (1l << bits) - 1, v = 0;
+    int i, j;
+
+    for (j = -3; j <= 3; j++) {
+        for (i = -3; i <= 3; i++) {
+            long weight = abs(i) < 2 && abs(j) < 2 ? (2 - abs(i)) * (2 - abs(j)) : 0;
+            v += (49 * weight - 16) * at_rim(px, x + i, y + j);
+        }
+    }
+    v = (long)floor((double)v / 784 + (double)(1l << (bits - 1)) + 0.5);
+    v = v < 0 ? 0 : v > full - 1 ? full - 1 : v;
+    return (uint16_t)(at_rim(px, x, y) >= full ? full : v);
+}
+
+static void band_pass_is_the_formula(void **state)
+{
+    static uint16_t px[2 * BAND_X * BAND_Y], old[2 * BAND_X * BAND_Y];
+    plfx_views views = {px, BAND_X, BAND_Y, 2};
+    int bits, i, k, x, y;
+
+    (void)state;
+    srand(7);
+    for (bits = 8; bits <= 12; bits += 2) {
+        for (i = 0; i < 2 * BAND_X * BAND_Y; i++) { /* extremes, then anything */
+            px[i] =
+                (uint16_t)((rand() % 3 ? rand() : -(rand() % 2)) & ((1 << bits) - 1));
+        }
+        memcpy(old, px, sizeof old);
+        assert_int_equal(plft_band_pass(&views, bits), 0);
+        for (k = 0; k < 2; k++) {
+            for (i = 0; i < BAND_X * BAND_Y; i++) {
+                x = i % BAND_X;
+                y = i / BAND_X;
+                assert_int_equal(px[(2 * y + k) * BAND_X + x],
+                                 band_sample(old + (size_t)k * BAND_X, x, y, bits));
+            }
+        }
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(png_round_trip),       cmocka_unit_test(tiff_frames),
-        cmocka_unit_test(pfm_round_trip),       cmocka_unit_test(pfm_order),
-        cmocka_unit_test(csv_tables),           cmocka_unit_test(json_objects),
-        cmocka_unit_test(names_in_order),       cmocka_unit_test(options),
-        cmocka_unit_test(outputs_are_whole),    cmocka_unit_test(colours_rise),
-        cmocka_unit_test(hexagons_drawn_square)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(png_round_trip),
+                                       cmocka_unit_test(tiff_frames),
+                                       cmocka_unit_test(pfm_round_trip),
+                                       cmocka_unit_test(pfm_order),
+                                       cmocka_unit_test(csv_tables),
+                                       cmocka_unit_test(json_objects),
+                                       cmocka_unit_test(names_in_order),
+                                       cmocka_unit_test(options),
+                                       cmocka_unit_test(outputs_are_whole),
+                                       cmocka_unit_test(colours_rise),
+                                       cmocka_unit_test(hexagons_drawn_square),
+                                       cmocka_unit_test(band_pass_is_the_formula)};
 
     cmocka_set_message_output(CM_OUTPUT_TAP);
     return cmocka_run_group_tests(tests, start, finish);

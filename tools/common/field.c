@@ -8,6 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "common/band_pass.h"
 #include "common/err.h"
 #include "common/folder.h"
 #include "common/memory.h"
@@ -270,6 +271,9 @@ int plft_field_views(const plft_field *field, const plfx_offset *at, int n,
         rc = field->ready != NULL
                  ? load_ready(field, find_ready(field, at[k]), views, k)
                  : plft_field_extract(field, at[k], views, k);
+    }
+    if (rc == 0 && field->band_pass) {
+        rc = plft_band_pass(views, field->bits);
     }
     if (rc != 0) {
         free(views->px);

@@ -47,6 +47,7 @@ typedef struct plft_field {
     int use_gain;              /* the table's GAIN section corrects the views */
     plft_ready *ready;         /* [n_ready], NULL for raw */
     int n_ready;
+    int band_pass;    /* views come filtered (band_pass.h) */
     int device;       /* where maps are made: PLFT_CPU or an OpenCL device */
     double tone_gain; /* for reports: factor on the raw samples */
 } plft_field;

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/band_pass.h"
 #include "common/match.h"
 #include "plenofix/viewcheck.h"
 
@@ -19,6 +20,7 @@ int plft_own_window(const plft_field *field)
 
 int plft_find_texture(const plft_field *field, int u_only, double *texture)
 {
+    plft_field plain = *field;
     plfx_offset centre = plft_field_offset(field, 0.0, 0.0);
     double noise; /* of full scale; the core counts sixteenths of 1/255 */
     plfx_views one;
@@ -28,10 +30,12 @@ int plft_find_texture(const plft_field *field, int u_only, double *texture)
     if (field->lut == NULL) {
         return 0;
     }
-    rc = plft_field_views(field, &centre, 1, &one);
+    plain.band_pass = 0;
+    rc = plft_field_views(&plain, &centre, 1, &one);
     if (rc == 0) {
         noise = plfx_views_noise_q4(&one, field->bits, 0) / 16.0 / 255.0;
         noise *= 1000.0 * OVER_NOISE * STEP_MEAN * (u_only ? 1.0 : 2.0);
+        noise *= field->band_pass ? PLFT_BAND_STEP : 1.0;
         *texture = fmin(fmax(noise, LEAST), MOST);
         free(one.px);
     }

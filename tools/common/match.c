@@ -75,11 +75,12 @@ int plft_plan(plfx_plan *plan, const plfx_cfg *cfg, const plft_field *field)
 }
 
 /* May the device take the raw frame?  A white frame given at run time is divided out
- * of the views, on the host. */
+ * of the views, and these are filtered, on the host. */
 static int from_raw(const plfx_plan *plan, const plft_field *field)
 {
     return field->device != PLFT_CPU && field->ready == NULL &&
-           field->white.px == NULL && field->tone.bits == plan->cfg.bits;
+           field->white.px == NULL && !field->band_pass &&
+           field->tone.bits == plan->cfg.bits;
 }
 
 static int match_raw(const plfx_plan *plan, const plft_field *field,

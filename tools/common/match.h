@@ -25,10 +25,11 @@ int plft_plan(plfx_plan *plan, const plfx_cfg *cfg, const plft_field *field);
 int plft_match(const plfx_plan *plan, const plft_field *field, const plfx_map *map,
                plft_times *times);
 
-/* Least texture worth matching, 1/1000 of full scale: 1.3 times what the noise of
- * the centre view's smoothest parts (plfx_views_noise_q4) makes of the core's
- * measure; never under 2 nor over 12.  2 for views of a camera array, whose noise is
- * no longer the sensor's.  u_only: all views lie along u.  0 or PLFT_DATA. */
+/* Least texture worth matching, 1/1000 of full scale: 1.3 times what the noise of the
+ * centre view's smoothest parts (plfx_views_noise_q4) makes of the core's measure;
+ * never under 2 nor over 12.  Behind a band pass, what that leaves of the noise.  2
+ * for views of a camera array, whose noise is no longer the sensor's.  u_only: all
+ * views lie along u.  0 or PLFT_DATA. */
 int plft_find_texture(const plft_field *field, int u_only, double *texture);
 
 /* A window that suits the size of the views: 9, less for fewer than 72 lenses. */
