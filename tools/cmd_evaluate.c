@@ -33,16 +33,19 @@ typedef struct job {
 
 static int parse(int argc, char **argv, options *o, int *helped)
 {
-    const plft_usage usage = {
-        "evaluate", "DISP.pfm TRUTH.pfm [options]",
-        "Share of bad pixels, mean squared error and sparsification of a map against "
-        "its truth."};
+    const plft_usage usage = {"evaluate", "DISP.pfm TRUTH.pfm [options]",
+                              "Share of bad pixels (error over 0.07, 0.03, 0.01), mean "
+                              "squared error and median\n"
+                              "of a map against its truth; missing pixels are bad, "
+                              "those without truth left out."};
     const plft_option table[] = {
         {"--mask", PLFT_TEXT, NULL, "M.png", 0, 0, "judge only where M is not black"},
         {"--border", PLFT_INT, NULL, "N", 0, 4096, "pixels left out at the rim (15)"},
         {"--errors", PLFT_TEXT, NULL, "E.png", 0, 0, "picture of the errors"},
-        {"--confidence", PLFT_TEXT, NULL, "C.pfm", 0, 0, "sparsify by confidence"},
-        {"--sigma", PLFT_TEXT, NULL, "S.pfm", 0, 0, "sparsify by standard error"},
+        {"--confidence", PLFT_TEXT, NULL, "C.pfm", 0, 0,
+         "also BadPix(0.07) of the 100, 90 .. 10 % of highest confidence"},
+        {"--sigma", PLFT_TEXT, NULL, "S.pfm", 0, 0,
+         "the same of least standard error, and scatter over it"},
         {"--json", PLFT_FLAG, NULL, NULL, 0, 0, "figures as JSON"},
         {NULL, PLFT_FLAG, NULL, NULL, 0, 0, NULL}};
     plft_option t[sizeof table / sizeof table[0]];
@@ -129,6 +132,18 @@ static int load(job *j)
     return status;
 }
 
+static int states_none(const float *sigma, const uint8_t *use, size_t n)
+{
+    size_t i;
+
+    for (i = 0; i < n; i++) {
+        if (use[i] && isfinite(sigma[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 /* Trust by standard error: its negative. */
 static int sparsify_by_sigma(job *j, size_t n)
 {
@@ -164,6 +179,11 @@ static int judge(job *j)
     if (status == 0 && j->o.confidence) {
         status = plft_sparsify(j->error, j->use, j->confidence.v, n, plft_thresholds[0],
                                j->by_confidence);
+    }
+    if (status == 0 && j->o.sigma && states_none(j->sigma.v, j->use, n)) {
+        return plft_fail(PLFT_DATA,
+                         "%s: no standard error in it; not every method gives one",
+                         j->o.sigma);
     }
     if (status == 0 && j->o.sigma) {
         status = sparsify_by_sigma(j, n);

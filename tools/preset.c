@@ -101,6 +101,16 @@ static const char *words(unsigned found)
                                               : "unlike the others in brightness";
 }
 
+/* Every other view is measured against the centre. */
+static int judge_centre(unsigned found)
+{
+    return (found & (PLFX_VIEW_DARK | PLFX_VIEW_CLIPPED)) == 0
+               ? 0
+               : plft_fail(PLFT_DATA,
+                           "the centre view is %s; the others are compared with it",
+                           words(found));
+}
+
 /* skip[k] = 1 and a line for every view out of order. */
 static int judge_views(plft_preset *p, const plfx_plan *plan, const plfx_views *views,
                        double unit, uint8_t *skip)
@@ -115,6 +125,9 @@ static int judge_views(plft_preset *p, const plfx_plan *plan, const plfx_views *
         memset(skip, 0, (size_t)views->n);
     }
     free(work);
+    if (judge_centre(skip[plan->cfg.ref]) != 0) {
+        return PLFT_DATA;
+    }
     p->left_out = 0;
     for (k = 0; k < views->n; k++) {
         if (skip[k] != 0) {

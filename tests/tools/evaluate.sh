@@ -18,6 +18,8 @@ pfm("truth.pfm", 60, 50, lambda x, y: 0.01 * x)
 pfm("same.pfm", 60, 50, lambda x, y: 0.01 * x)
 pfm("off.pfm", 60, 50, lambda x, y: 0.01 * x + (0.05 if x < 30 else 0.0))
 pfm("hole.pfm", 60, 50, lambda x, y: float("nan") if y < 25 else 0.01 * x)
+pfm("wrong.pfm", 60, 50, lambda x, y: 0.01 * x + (0.1 if x < 30 else 0.0))
+pfm("none.pfm", 60, 50, lambda x, y: float("nan"))
 pfm("small.pfm", 10, 50, lambda x, y: 0.0)
 PY
 
@@ -46,9 +48,13 @@ has out.txt '"truth_missing": 1500'
 "$plenofix" evaluate off.pfm truth.pfm --confidence truth.pfm --sigma same.pfm >out.txt
 has out.txt 'kept by confidence'
 has out.txt 'scatter / sigma'
+# Half is bad; the half kept first by this confidence is not.
+"$plenofix" evaluate wrong.pfm truth.pfm --confidence truth.pfm --border 0 >out.txt
+has out.txt 'kept by confidence  100%:50.00 .* 60%:16.67 50%:0.00'
 
 refused 1 '10x50' small.pfm truth.pfm
 refused 1 'no pixel' same.pfm truth.pfm --border 25
+refused 1 'no standard error' same.pfm truth.pfm --sigma none.pfm
 refused 1 'absent.pfm' absent.pfm truth.pfm
 refused 2 'two files' same.pfm
 refused 2 'border' same.pfm truth.pfm --border x

@@ -98,6 +98,22 @@ depth good --noise 1 >/dev/null 2>d.err || status=$?
 depth good --preset onboard --window 9 --unique 0.2 --json >d.json
 [ "$(figure window d.json)" = 9 ]
 
+# Nothing is compared with a centre view that is black; 255 of 8 bits is saturated too.
+mkdir centre eight
+cp good/* centre
+cp bad/v14.png centre/v12.png
+status=0
+depth centre --preset onboard >/dev/null 2>d.err || status=$?
+[ $status = 1 ] && [ "$(wc -l <d.err)" = 1 ] && grep -q 'centre view is dark' d.err
+PYTHONPATH=$here python3 -c '
+import png
+for k in range(25):
+    png.write("eight/v%02d.png" % k, 72, 60,
+              lambda x, y: 255 if k == 14 or x < 6 else (7 * x * y + x * x) % 250)'
+depth eight --preset onboard --json >d.json 2>d.err
+grep -q 'view at (-2, 0) is saturated and left out' d.err
+[ "$(figure saturated d.json)" = 360 ]
+
 # A saturated view is named; a missing one is an error that names the grid.
 mkdir clipped gap
 cp good/* clipped && cp good/* gap

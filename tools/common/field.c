@@ -214,7 +214,7 @@ static const plft_ready *find_ready(const plft_field *field, plfx_offset at)
 }
 
 /* Foreign pictures become view samples of field->bits: luma and depth in one
- * rounding. */
+ * rounding.  What is saturated stays so: 255 of 8 bits is not 1020 of 1023. */
 static uint16_t view_sample(const plft_frame *f, size_t i, int bits)
 {
     const uint16_t *p = f->px + (size_t)f->channels * i;
@@ -225,7 +225,8 @@ static uint16_t view_sample(const plft_frame *f, size_t i, int bits)
     uint64_t s = ((luma << bits) + one / 2) / one;
     uint64_t max = ((uint64_t)1 << bits) - 1u;
 
-    return (uint16_t)(s < max ? s : max);
+    return (uint16_t)(luma < 1000u * (((uint64_t)1 << f->bits) - 1u) && s < max ? s
+                                                                                : max);
 }
 
 static int load_ready(const plft_field *field, const plft_ready *r,
