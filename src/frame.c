@@ -5,7 +5,7 @@
 #include "arena.h"
 #include "fix.h"
 
-#define SMOOTH_FROM_Q4 7     /* noise from which views are smoothed first */
+#define SMOOTH_FROM_Q4 12    /* noise from which views are smoothed first */
 #define ARM_SUM_MAX    32767 /* 16-bit signed lanes */
 
 int32_t plfx_frame_e_of(const plfx_frame_state *s, int32_t slope_q16)

@@ -48,7 +48,7 @@ typedef struct plfx_stream_cfg {
     const plfx_lut *lut;                /* kept, with its blob */
     const struct plfx_frame_cfg *frame; /* ARMS: plfx_preset() of PLFX_PRESET_STREAM, or
                                            any without paths, refinement, second median
-                                           and noise from 0.44 grey on; kept */
+                                           and noise from 0.75 grey on; kept */
     plfx_tone tone;                     /* tone.bits = plan->cfg.bits */
     uint8_t profile;                    /* plfx_profile */
     uint8_t white;                      /* 1: the table's gains */

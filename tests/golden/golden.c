@@ -381,7 +381,7 @@ static uint32_t run_depth(void)
     return golden_end(&c);
 }
 
-/* A whole frame by a preset; from a noise of 7 on views are smoothed first. */
+/* A whole frame by a preset; from a noise of 12 on views are smoothed first. */
 static uint32_t frame(int32_t preset, int32_t noise_q4)
 {
     plfx_cfg cfg = scene_cfg(PLFX_METHOD_ARMS, PLFX_COST_SAD, PLFX_FIT_VEE);

@@ -202,7 +202,7 @@ static inline void spread(scene *sc, plfx_cfg *c, ref_rng *rng)
     sc->frame.median1 = medians[ref_range(rng, 0, 3)];
     sc->frame.trunc_q4 = (uint16_t)ref_range(rng, 1, 1024);
     sc->frame.gweight_q4 = (uint16_t)(ref_range(rng, 0, 2) ? 0 : ref_range(rng, 1, 31));
-    sc->frame.noise_q4 = (uint16_t)ref_range(rng, 0, 6);
+    sc->frame.noise_q4 = (uint16_t)ref_range(rng, 0, 11);
 }
 
 /* A cross of five views. */

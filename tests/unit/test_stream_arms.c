@@ -65,7 +65,7 @@ static void settings_that_do_not_stream(void **state)
     sc.frame.median2 = 3;
     refused(&c);
     sc.frame = good;
-    sc.frame.noise_q4 = 7;
+    sc.frame.noise_q4 = 12;
     refused(&c);
     sc.frame = good;
     sc.frame.keep = 5;
