@@ -3,7 +3,7 @@
 """SAD matching beside OpenCV's StereoBM and SGBM: one process, one thread, same images.
 
 usage: opencv.py LIBPLENOFIX.so [--prefilter LIBBENCH_PREFILTER.so] [--rounds N]
-                 [--json FILE]
+                 [--json FILE] [--size WxH]
 
 Needs numpy and cv2 (pip install opencv-python-headless); without them it says so and ends
 with status 77, which Meson counts as skipped.  Candidates take turns; the figure is the
@@ -27,9 +27,6 @@ except ImportError as missing:
     sys.exit(77)
 
 import core
-
-W, H = 640, 480
-
 
 def pair(w, h, top, bits, seed=1):
     """A slanted plane of four-octave noise and its two 8 to 12-bit views."""
@@ -66,7 +63,8 @@ class Filtered:
     def __call__(self):
         row = self.ours.block.strides[0] // 2
         for k, image in enumerate(self.images):
-            self.filters.bench_xsobel(c.c_void_p(image.ctypes.data), W, H,
+            h, w = image.shape
+            self.filters.bench_xsobel(c.c_void_p(image.ctypes.data), w, h,
                                       c.c_void_p(self.ours.block[:, k].ctypes.data), row)
         self.ours()
 
@@ -83,9 +81,10 @@ def sgbm(labels, left, right):
     return lambda: rival.compute(left, right)
 
 
-def case(lib, filters, labels, rounds):
-    left, right, truth = pair(W, H, labels, 8)
-    deep = pair(W, H, labels, 12)[:2]
+def case(lib, filters, labels, rounds, size):
+    w, h = size
+    left, right, truth = pair(w, h, labels, 8)
+    deep = pair(w, h, labels, 12)[:2]
     eight = [a.astype(np.uint8) for a in (left, right)]
     runs = {}
     for window in (5, 9, 21):
@@ -99,17 +98,18 @@ def case(lib, filters, labels, rounds):
     times = core.least(runs, rounds)
     ns = {}
     for name, ms in times.items():
-        columns = W if name.startswith('ours') else W - labels + 1
-        ns[name] = 1e6 * ms / (columns * H * labels)
-    worst = max(wrong(disparity(runs[f'ours w{w}']), truth) for w in (5, 9, 21))
-    return {'labels': labels, 'ns': ns, 'wrong': worst,
+        columns = w if name.startswith('ours') else w - labels + 1
+        ns[name] = 1e6 * ms / (columns * h * labels)
+    worst = max(wrong(disparity(runs[f'ours w{n}']), truth) for n in (5, 9, 21))
+    return {'size': size, 'labels': labels, 'ns': ns, 'wrong': worst,
             'window 21 / 5': times['ours w21'] / times['ours w5'],
             '12 / 8 bit': times['ours w9 12 bit'] / times['ours w9']}
 
 
 def show(k):
     ns = k['ns']
-    print(f"{k['labels']} labels, {W}x{H}, 8 bit; ns a pixel and disparity; wrong by over 1 "
+    size = 'x'.join(map(str, k['size']))
+    print(f"{k['labels']} labels, {size}, 8 bit; ns a pixel and disparity; wrong by over 1 "
           f"column: {k['wrong']:.4f}")
     for w in (5, 9, 21):
         ours, bm = ns[f'ours w{w}'], ns[f'StereoBM w{w}']
@@ -128,6 +128,7 @@ def main():
     parser.add_argument('--prefilter')
     parser.add_argument('--rounds', type=int, default=7)
     parser.add_argument('--json')
+    parser.add_argument('--size', default='640x480')
     args = parser.parse_args()
     lib = core.Core(args.library).lib
     beside = (pathlib.Path(args.library).resolve().parent.parent / 'tests' /
@@ -137,7 +138,8 @@ def main():
     cv2.setNumThreads(1)
     print(f'OpenCV {cv2.__version__}' + ('' if filters else '; no x-Sobel of ours: '
                                          'libbench_prefilter is not built'))
-    cases = [case(lib, filters, labels, args.rounds) for labels in (16, 32, 64)]
+    size = [int(n) for n in args.size.split('x')]
+    cases = [case(lib, filters, labels, args.rounds, size) for labels in (16, 32, 64)]
     for k in cases:
         show(k)
     if args.json:
