@@ -7,7 +7,9 @@
  *                     too, where it is
  *   bench_accuracy --double [DATA]        the same method in double beside fixed point:
  *                     fails over 0.1 point of BadPix(0.07) or 1 of BadPix(0.01)
- *   bench_accuracy --sigma                true scatter over stated standard error on
+ *   bench_accuracy --where                bad samples of the onboard preset by their
+ *                     distance to a jump of the truth
+ *   bench_accuracy --sigma [SEED]         true scatter over stated standard error on
  *                     scenes that nothing was set by, a line a noise: of all samples,
  *                     by fifths of the stated error, by scene with texture enough (no
  *                     flag TEXTURE); and what is left of BadPix 0.07, 0.03, 0.01, mean
@@ -544,7 +546,7 @@ static int within(double ratio)
 }
 
 /* *good: scenes within 25 %. */
-static int sigma_line(double noise, int *good)
+static int sigma_line(double noise, int first, int *good)
 {
     static sample list[SIGMA_SCENES * SCENE_SIDE * SCENE_SIDE];
     double of_scene[SIGMA_SCENES];
@@ -562,7 +564,7 @@ static int sigma_line(double noise, int *good)
         left kept;
         double ratio;
         make_cfg(&l, PLFX_PRESET_ONBOARD, SCENE_SIDE, -1.8, 1.8);
-        draw(&l, (uint64_t)(seed + SIGMA_FIRST), noise);
+        draw(&l, (uint64_t)(seed + first), noise);
         m = match(&l, noise);
         (void)judge(&l, &m, &ratio, &kept);
         of_scene[seed] = scene_scatter(&l, &m);
@@ -590,7 +592,7 @@ static int sigma_line(double noise, int *good)
     return bad > 0 || !within(all);
 }
 
-static int run_sigma(void)
+static int run_sigma(int first)
 {
     static const double noise[] = {0, 0.5, 1, 2, 4};
     int count = (int)(sizeof noise / sizeof noise[0]);
@@ -599,7 +601,7 @@ static int run_sigma(void)
     int i;
 
     for (i = 0; i < count; i++) {
-        bad += sigma_line(noise[i], &good);
+        bad += sigma_line(noise[i], first, &good);
     }
     count *= SIGMA_SCENES;
     printf("%d of %d scenes within 25 %%\n", good, count);
@@ -624,6 +626,60 @@ static int drawn_rows(const char *stored)
     return bad;
 }
 
+#define JUMP 0.1 /* of the truth */
+
+/* Samples to the next jump of the truth, at most `most`; more when there is none. */
+static int to_jump(const light *l, int x, int y, int most)
+{
+    const float *at = l->truth + y * l->views.nx + x;
+    int near = most + 1;
+    int i;
+    int j;
+
+    for (j = -most; j <= most; j++) {
+        for (i = -most; i <= most; i++) {
+            int d = abs(i) > abs(j) ? abs(i) : abs(j);
+            if (d < near &&
+                fabs((double)at[j * l->views.nx + i] - (double)*at) > JUMP) {
+                near = d;
+            }
+        }
+    }
+    return near;
+}
+
+/* Where bad samples lie: all of them, and within 2 and 5 samples of a jump. */
+static int run_where(void)
+{
+    int seed;
+
+    for (seed = 1; seed <= 2; seed++) {
+        int bad[3] = {0, 0, 0};
+        light l;
+        maps m;
+        int x;
+        int y;
+        make_cfg(&l, PLFX_PRESET_ONBOARD, SCENE_SIDE, -1.8, 1.8);
+        draw(&l, (uint64_t)seed, 0);
+        m = match(&l, 0);
+        for (y = BORDER; y < SCENE_SIDE - BORDER; y++) {
+            for (x = BORDER; x < SCENE_SIDE - BORDER; x++) {
+                int i = y * SCENE_SIDE + x;
+                int off =
+                    fabs((double)m.slope[i] - (double)l.truth[i]) > plft_thresholds[0];
+                int near = off ? to_jump(&l, x, y, 5) : 0;
+                bad[0] += off;
+                bad[1] += off && near <= 2;
+                bad[2] += off && near <= 5;
+            }
+        }
+        printf("drawn%d: %d bad samples, %d within 2 of a jump, %d within 5\n", seed,
+               bad[0], bad[1], bad[2]);
+        release(&l, &m);
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     unsigned char *stored = NULL;
@@ -631,7 +687,10 @@ int main(int argc, char **argv)
     int bad;
 
     if (argc >= 2 && strcmp(argv[1], "--sigma") == 0) {
-        return run_sigma();
+        return run_sigma(argc > 2 ? atoi(argv[2]) : SIGMA_FIRST);
+    }
+    if (argc >= 2 && strcmp(argv[1], "--where") == 0) {
+        return run_where();
     }
     if (argc >= 2 && strcmp(argv[1], "--double") == 0) {
         return run_double(argc > 2 ? argv[2] : NULL);

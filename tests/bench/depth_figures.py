@@ -9,7 +9,8 @@ dominoes   median error of each domino, mean over 16 seeds with its standard err
 raw        rms slope error of a textured plane without noise, blur 0.5 px, with and without
            white division, the reduced radius and the band pass
 occlusion  mean error in a band of 6 lenses about the edges of examples/scenes/occlusion.json
-data       stillLife's share beyond 0.2 px, cotton's BadPix, slopes found from the scene; CPU
+data       stillLife's share beyond 0.2 px, cotton's BadPix (stream: the 60 % most confident
+           too), slopes found from the scene; CPU
            time of the command as a user gives it, reading and decoding files apart, 512x512
            with 81 views and 289x193 with 25, best of 5
 
@@ -277,6 +278,16 @@ def data(plenofix, tmp):
         for t, most in (("0.07", 1.5), ("0.03", 7), ("0.01", 36)):
             limit("cotton, onboard, slopes found: BadPix %s, percent" % t,
                   json.loads(r.stdout)["badpix_" + t], most)
+        trust = os.path.join(tmp, "c.pfm")
+        subprocess.run([plenofix, "depth", "--views-dir", cotton, "--grid", "9x9",
+                        "--preset", "stream", "-o", out, "--confidence", trust],
+                       check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        r = subprocess.run([plenofix, "evaluate", out, os.path.join(
+            cotton, "gt_disp_lowres.pfm"), "--confidence", trust, "--json"], check=True,
+            capture_output=True)
+        kept = json.loads(r.stdout)["kept_by_confidence"]
+        limit("cotton, stream, slopes found: BadPix 0.07, percent", kept[0], 5.5)
+        limit("the same of the 60 % most confident", kept[4], 1.5)
         given = timed(plenofix, cotton, "--grid", "9x9", "--slopes", "-1.6:1.6:33",
                       "-o", out)
         found = timed(plenofix, cotton, "--grid", "9x9", "-o", out)
