@@ -31,8 +31,8 @@ SETS = {
     'matching': (['depth.c', 'fuse.c', 'kernels.c', 'kernels_pair.c', 'refocus.c',
                   'sample.c', 'select.c', 'texture.c', 'winner.c', 'winner_row.c', 'zncc.c',
                   'zncc_columns.c', 'zncc_lanes.c', 'zncc_rows.c'],
-                 ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'golden',
-                  'frame', 'lanes'], 120),
+                 ['select', 'fuse', 'depth', 'refocus', 'winner', 'sweep', 'sweep_edges',
+                  'golden', 'frame', 'lanes'], 120),
     'frames': (['arms.c', 'gradient.c', 'match_judge.c', 'median.c', 'refine.c', 'sgm.c',
                 'view.c', 'view_run.c'],
                ['gradient', 'view', 'winner', 'golden', 'frame_edges', 'sweep',
@@ -51,6 +51,7 @@ def tool():
 
 def prepare(tests):
     """A copy of the tree, built; returns it."""
+    os.chdir(common.ROOT)
     shutil.rmtree(FOLDER, ignore_errors=True)
     tree = FOLDER / 'tree'
     for name in common.run('git', '-C', common.ROOT, 'ls-files').split('\n'):

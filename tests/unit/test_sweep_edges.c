@@ -128,10 +128,43 @@ static void maps_without_confidence(void **state)
     }
 }
 
+/* What lies behind the last label of a block is none.  It holds a sum of 2^15, which
+ * at lens END - 1 is the least sum of label 0 alone: farther labels see brighter
+ * columns. */
+static void nothing_behind_the_labels_counts(void **state)
+{
+    enum { W = 40, END = 20 };
+
+    (void)state;
+    for (uint16_t labels = 4; labels <= 9; labels++) {
+        plfx_cfg c = cfg_of(0, labels);
+        plfx_views v = {samples, W, NY, 2};
+        plfx_plan plan;
+        plfx_map bare = {got.slope, NULL, NULL, NULL, W, NY, W};
+        c.bits = 12;
+        c.slope_min_q16 = 0;
+        c.slope_max_q16 = 65536 * (labels - 1);
+        for (int32_t i = 0; i < W * NY; i++) { /* rows of two views in turn */
+            int32_t x = i % W;
+            int32_t odd = x % 3 == 0 && i / W % 3 == 0;
+            size_t at = (size_t)(2 * (i / W) * W + x);
+            samples[at] = 0;
+            samples[at + W] = (uint16_t)(x > END ? 4095 : 3641 - odd);
+        }
+        assert_int_equal(plfx_plan_init(&plan, &c, NULL, W, NY), PLFX_OK);
+        assert_int_equal(plfx_sweep(&plan, &v, &bare, aligned(memory), WS_BYTES - 64),
+                         PLFX_OK);
+        for (int32_t y = 1; y < NY - 1; y++) {
+            assert_int_equal(got.slope[y * W + END - 1], 0);
+        }
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(views_above_each_other),
     cmocka_unit_test(rows_of_whole_runs),
     cmocka_unit_test(maps_without_confidence),
+    cmocka_unit_test(nothing_behind_the_labels_counts),
 };
 
 SUITE(tests)
