@@ -10,6 +10,7 @@
 #include "common/device.h"
 #include "common/err.h"
 #include "common/json.h"
+#include "common/judge.h"
 #include "common/match.h"
 #include "depth_out.h"
 #include "preset.h"
@@ -285,6 +286,9 @@ static int prepare(request *r, job *j)
     rc = rc != 0 ? rc : plft_arrange(&j->field, &r->wish, j->cfg.at, &n);
     j->cfg.n = (uint8_t)n;
     fill_cfg(r, j);
+    if (rc == 0 && r->preset == NOT_GIVEN) { /* presets judge the views they take */
+        rc = plft_judge_ready(&j->field, &j->cfg, &j->preset.left_out);
+    }
     rc = rc != 0 ? rc : settle_slopes(r, j);
     rc = rc != 0 ? rc : apply_preset(r, j);
     return rc != 0 ? rc : plft_plan(&j->plan, &j->cfg, &j->field);

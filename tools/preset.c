@@ -7,6 +7,7 @@
 
 #include "common/arrange.h"
 #include "common/band_pass.h"
+#include "common/judge.h"
 #include "common/err.h"
 #include "common/memory.h"
 #include "plenofix/viewcheck.h"
@@ -94,53 +95,6 @@ int plft_preset_cfg(plft_preset *p, const plft_field *field, double radius,
     return 0;
 }
 
-static const char *words(unsigned found)
-{
-    return (found & PLFX_VIEW_DARK) != 0      ? "dark"
-           : (found & PLFX_VIEW_CLIPPED) != 0 ? "saturated"
-                                              : "unlike the others in brightness";
-}
-
-/* Every other view is measured against the centre. */
-static int judge_centre(unsigned found)
-{
-    return (found & (PLFX_VIEW_DARK | PLFX_VIEW_CLIPPED)) == 0
-               ? 0
-               : plft_fail(PLFT_DATA,
-                           "the centre view is %s; the others are compared with it",
-                           words(found));
-}
-
-/* skip[k] = 1 and a line for every view out of order. */
-static int judge_views(plft_preset *p, const plfx_plan *plan, const plfx_views *views,
-                       double unit, uint8_t *skip)
-{
-    uint32_t *work = (uint32_t *)plft_alloc(2 * (size_t)views->n, sizeof *work);
-    int k;
-
-    if (work == NULL) {
-        return PLFT_DATA;
-    }
-    if (plfx_views_check(views, plan->cfg.bits, skip, work) < 0) {
-        memset(skip, 0, (size_t)views->n);
-    }
-    free(work);
-    if (judge_centre(skip[plan->cfg.ref]) != 0) {
-        return PLFT_DATA;
-    }
-    p->left_out = 0;
-    for (k = 0; k < views->n; k++) {
-        if (skip[k] != 0) {
-            plft_warn("the view at (%g, %g) is %s%s", plan->cfg.at[k].u_q8 / unit,
-                      plan->cfg.at[k].v_q8 / unit, words(skip[k]),
-                      k == plan->cfg.ref ? "" : " and left out");
-            p->left_out += k != plan->cfg.ref;
-            skip[k] = k != plan->cfg.ref;
-        }
-    }
-    return skip[plan->cfg.ref];
-}
-
 /* Noise of the views and, when asked, the band of them that is matched. */
 static int filter(plft_preset *p, int band_pass, int bits, plfx_views *views)
 {
@@ -175,7 +129,6 @@ int plft_preset_match(plft_preset *p, const plfx_plan *plan, const plft_field *f
                       const plfx_map *map, plft_times *times)
 {
     double t0 = plft_cpu_s(), t1;
-    double unit = 256.0 * (field->scale > 0 ? field->scale : 1);
     uint8_t skip[PLFX_VIEWS_MAX];
     plft_field plain = *field; /* what is out of order is judged before the band pass */
     plfx_views views;
@@ -183,12 +136,10 @@ int plft_preset_match(plft_preset *p, const plfx_plan *plan, const plft_field *f
 
     plain.band_pass = 0;
     rc = plft_field_views(&plain, plan->cfg.at, plan->cfg.n, &views);
-
     t1 = plft_cpu_s();
     times->extract += t1 - t0;
     if (rc == 0) {
-        memset(skip, 0, sizeof skip);
-        rc = judge_views(p, plan, &views, unit, skip);
+        rc = plft_judge_views(field, &plan->cfg, &views, skip, &p->left_out);
         rc = rc != 0 ? rc : filter(p, field->band_pass, plan->cfg.bits, &views);
         rc = rc != 0 ? rc : run(p, plan, &views, skip, map);
         free(views.px);

@@ -98,6 +98,22 @@ depth good --noise 1 >/dev/null 2>d.err || status=$?
 depth good --preset onboard --window 9 --unique 0.2 --json >d.json
 [ "$(figure window d.json)" = 9 ]
 
+# The methods leave out what they were to match, gradient refuses.
+mkdir ring
+cp good/* ring
+cp bad/v14.png ring/v10.png
+cp bad/v14.png ring/v11.png
+for m in plenoptic sweep; do
+    depth ring --method $m --json >d.json 2>d.err
+    grep -q 'view at (2, 0) is dark and left out' d.err
+    [ "$(figure views_left_out d.json)" = "$(wc -l <d.err)" ]
+    "$plenofix" evaluate d.pfm truth.pfm --border 8 --json >e.json
+    under "median of $m without views" "$(figure median_x100 e.json)" 3
+done
+status=0
+depth ring --method gradient >/dev/null 2>d.err || status=$?
+[ $status = 1 ] && grep -q 'all of its five views' d.err
+
 # Nothing is compared with a centre view that is black; 255 of 8 bits is saturated too.
 mkdir centre eight
 cp good/* centre
