@@ -501,10 +501,8 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
 
     plfx_factor_of(f.k, k.s1);
     plfx_factor_of(f.m, k.s2);
-    won[0].best = lead[0].least;
-    won[1].best = lead[1].least;
     for (b = 0; b < before; b++) {
-        block_of(&k, &w, kind, &f, lead, 0);
+        block_of(&k, &w, kind, &f, k.lead, 0);
         plfx_walk_on(&k, &w, b);
     }
     for (; b < n; b++) { /* with winners */
@@ -516,6 +514,7 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
         } else {
             plfx_slide_on(&k, b, led);
         }
+        won[b & 1].best = led->least;
         find_winners(k.sum, led, k.order, k.labels, &out, won + (b & 1));
         if (b > before) {
             fit_one(&k, won + (~b & 1), out.code - PLFX_LANES);
