@@ -153,11 +153,12 @@ typedef struct trio {
  * time. */
 #define BESIDE(i)                                                                      \
     cell = (size_t)_mm_extract_epi16(at, i);                                           \
-    *next = _mm_insert_epi16(*next, sum[cell + 16], i);                                \
-    *before = _mm_insert_epi16(*before, sum[cell - 16], i)
+    *next = _mm_insert_epi16(*next, low[cell + 32], i);                                \
+    *before = _mm_insert_epi16(*before, low[cell], i)
 ALWAYS void look_beside_8(const int16_t *sum, __m128i at, __m128i *next,
                           __m128i *before)
 {
+    const int16_t *low = sum - 16; /* the spare label: cells count from zero */
     size_t cell;
 
     *next = _mm_setzero_si128();
