@@ -252,8 +252,9 @@ static inline void settle(plfx_won *restrict w, int32_t labels)
     int16_t last = (int16_t)((labels - 1) * PLFX_LANES);
     int32_t i;
 
-    LANES(i)
+    LANES(i) /* all were written by look_beside() */
     {
+        /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
         int16_t beside = (int16_t)(-(w->next[i] == w->best[i]) & -(w->at[i] < last));
         w->tie[i] = (int16_t)(-(w->tie[i] < beside));
     }
@@ -501,6 +502,8 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
 
     plfx_factor_of(f.k, k.s1);
     plfx_factor_of(f.m, k.s2);
+    won[0].best = lead[0].least;
+    won[1].best = lead[1].least;
     for (b = 0; b < before; b++) {
         block_of(&k, &w, kind, &f, k.lead, 0);
         plfx_walk_on(&k, &w, b);
@@ -514,7 +517,6 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
         } else {
             plfx_slide_on(&k, b, led);
         }
-        won[b & 1].best = led->least;
         find_winners(k.sum, led, k.order, k.labels, &out, won + (b & 1));
         if (b > before) {
             fit_one(&k, won + (~b & 1), out.code - PLFX_LANES);

@@ -507,11 +507,25 @@ static void run_general(plfx_match *m, int32_t p, const pass *s, uint16_t *cols)
     }
 }
 
+/* Blocks a segment on, whose windows reach into the next one. */
+static void next_segment(plfx_match *m, const pass *s, const uint16_t *cols)
+{
+    size_t cells = (size_t)m->cells;
+    int32_t w = m->plan->cfg.window;
+    int32_t b;
+
+    for (b = m->blocks; b < m->blocks + w - 1; b++) {
+        plfx_k_slide(m->sum, cols + (size_t)(b - m->blocks) * cells + 1,
+                     cols + (size_t)(b - w) * cells, m->labels, m->plan->sad_shift2,
+                     lead_of(m));
+        winners(m, s, b);
+    }
+}
+
 static void run_pair(plfx_match *m, int32_t p, const pass *s)
 {
     size_t cells = (size_t)m->cells;
     uint16_t *cols = m->col + (size_t)(p * m->blocks) * cells;
-    int32_t w = m->plan->cfg.window;
     int32_t b;
 
     for (b = 0; b < m->cells; b++) {
@@ -522,14 +536,8 @@ static void run_pair(plfx_match *m, int32_t p, const pass *s)
         return;
     }
     run_general(m, p, s, cols);
-    if (PLFX_LANES == 1 || !s->emit) {
-        return;
-    }
-    for (b = m->blocks; b < m->blocks + w - 1; b++) { /* one segment on */
-        plfx_k_slide(m->sum, cols + (size_t)(b - m->blocks) * cells + 1,
-                     cols + (size_t)(b - w) * cells, m->labels, m->plan->sad_shift2,
-                     lead_of(m));
-        winners(m, s, b);
+    if (PLFX_LANES > 1 && s->emit) {
+        next_segment(m, s, cols);
     }
 }
 
