@@ -73,8 +73,7 @@ def measure_workspaces(objects, folder):
     source = common.ROOT / 'tests/target/m7/workspaces.c'
     main = common.compile_all(COMPILER, [source], BUILD, folder)
     common.run(COMPILER, *BUILD, *common.ARM_BOARD, *main, *objects, '-o', program)
-    for line in common.emulate(program).splitlines():
-        name, value = line.split()
+    for name, value in re.findall(r'^(\w+) (\d+)$', common.emulate(program), re.M):
         yield 'workspace', name, int(value)
 
 
