@@ -481,6 +481,12 @@ static inline void block_of(const plfx_whole_row *r, const plfx_walker *w, int32
     }
 }
 
+/* Where a block's winners find their least sums. */
+static inline void led_by(plfx_won *won, const plfx_lead *lead)
+{
+    won->best = lead->least;
+}
+
 static inline void fit_one(const plfx_whole_row *r, plfx_won *won, int16_t *code)
 {
     settle(won, r->labels);
@@ -502,8 +508,8 @@ static inline void row(const plfx_whole_row *r, int32_t kind)
 
     plfx_factor_of(f.k, k.s1);
     plfx_factor_of(f.m, k.s2);
-    won[0].best = lead[0].least;
-    won[1].best = lead[1].least;
+    led_by(won, lead);
+    led_by(won + 1, lead + 1);
     for (b = 0; b < before; b++) {
         block_of(&k, &w, kind, &f, k.lead, 0);
         plfx_walk_on(&k, &w, b);
