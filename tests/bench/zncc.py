@@ -21,8 +21,9 @@ except ImportError as missing:
     sys.exit(77)
 
 import core
-from opencv import H, W, disparity, pair, wrong
+from opencv import disparity, pair, wrong
 
+W, H = 640, 480
 WINDOW = 9
 
 

@@ -1,0 +1,3 @@
+# SPDX-License-Identifier: MIT
+"""Has a height, no width."""
+HEIGHT = 480
