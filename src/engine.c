@@ -2,6 +2,8 @@
 #include "engine.h"
 #include "fix.h"
 
+#include <string.h>
+
 static int32_t fuses(const plfx_plan *plan)
 {
     return plan->cfg.method == PLFX_METHOD_PAIRS;
@@ -89,8 +91,15 @@ void plfx_map_edge(const plfx_map *row)
     int32_t x;
 
     for (x = 0; x < row->w; x++) {
-        plfx_map_put(row, (size_t)x, PLFX_SLOPE_NONE, 0, PLFX_FLAG_EDGE);
+        row->slope_q16[x] = PLFX_SLOPE_NONE;
     }
+    if (row->conf_u16) {
+        memset(row->conf_u16, 0, (size_t)row->w * sizeof(uint16_t));
+    }
+    if (row->flags) {
+        memset(row->flags, PLFX_FLAG_EDGE, (size_t)row->w);
+    }
+    plfx_map_no_sigma(row);
 }
 
 static void fuse_row(const plfx_engine *e, const plfx_map *row)
