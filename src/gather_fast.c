@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * The fast profile's gathering: blocks of lenses side by side, lane-wise but for the
  * pixel loads.  A block is visited in the sensor rows that any of its lenses needs. */
-#include "gather.h"
+#include "gather_row.h"
 #include "bytes.h"
 #include "lut_rows.h"
 
@@ -9,6 +9,7 @@
 
 #define ABOVE_ALL (-(1 << 30)) /* y of a missing lens: -16384 px, */
 #define ABOVE     (-16000)     /* which no displacement brings to this row */
+#define NARROW    32000 /* rows of a sensor whose lenses lie within 2^15 everywhere */
 
 /* floor((at + i step)/64) of lenses i, in 32 bits that wrap: where they do, no lens is
  * in use, since those lie within a pitch of the sensor. */
@@ -117,18 +118,9 @@ void plfx_gather_aim(plfx_gather *g, int32_t j)
     g->hi[slot] = all.hi;
 }
 
-typedef struct sensor_row {
-    const uint16_t *px;
-    int32_t from,
-        to;         /* a first tap here when the row over the sample is one of these */
-    int32_t before; /* a second tap when it is this one */
-    int32_t last_x, down;
-    uint32_t half;
-} sensor_row;
-
 /* Taps of LANES lenses, given their pixel pairs.  A lens that has none here keeps its
  * number. */
-static inline void mix(const sensor_row *v, const uint32_t *restrict two,
+static inline void mix(const plfx_gather_row *v, const uint32_t *restrict two,
                        const uint32_t *restrict f, const int32_t *restrict cy,
                        int32_t shift, uint16_t *restrict to)
 {
@@ -154,7 +146,7 @@ static inline void mix(const sensor_row *v, const uint32_t *restrict two,
     }
 }
 
-static inline void taps(const sensor_row *v, const int32_t *restrict cx,
+static inline void taps(const plfx_gather_row *v, const int32_t *restrict cx,
                         const int32_t *restrict cy, plfx_point shift,
                         uint16_t *restrict to)
 {
@@ -171,7 +163,7 @@ static inline void taps(const sensor_row *v, const int32_t *restrict cx,
 }
 
 /* The same where samples may lie beside the sensor. */
-static void taps_beside(const sensor_row *v, const int32_t *restrict cx,
+static void taps_beside(const plfx_gather_row *v, const int32_t *restrict cx,
                         const int32_t *restrict cy, plfx_point shift,
                         uint16_t *restrict to)
 {
@@ -189,28 +181,23 @@ static void taps_beside(const sensor_row *v, const int32_t *restrict cx,
     mix(v, two, f, cy, shift.y_q16, to);
 }
 
-/* 1: some lens of a block has a tap here, for displacements least .. most. */
-static int32_t meets(const sensor_row *v, const plfx_gather_block *b, int32_t least,
-                     int32_t most)
-{
-    int32_t first = plfx_min_i32(v->from, v->before);
-
-    return b->most_q16 >= b->least_q16 &&
-           plfx_asr_i32(b->most_q16 + most, 16) >= first &&
-           plfx_asr_i32(b->least_q16 + least, 16) <= v->to;
-}
-
 /* All views of a block. */
-static void block_taps(const plfx_gather *g, const sensor_row *v,
+static void block_taps(const plfx_gather *g, const plfx_gather_row *v,
                        const plfx_gather_block *b, const int32_t *cx, const int32_t *cy,
                        uint16_t *to)
 {
     size_t nx = (size_t)g->lut->lattice.nx;
     int32_t k;
 
+#if defined(PLFX_KERNELS_AVX2)
+    if (v->narrow && b->inside) {
+        plfx_gather_narrow(g, v, b, cx, cy, to);
+        return;
+    }
+#endif
     for (k = 0; k < g->n; k++) {
         plfx_point s = g->shift[k];
-        if (meets(v, b, s.y_q16, s.y_q16)) {
+        if (plfx_gather_meets(v, b, s.y_q16, s.y_q16)) {
             if (b->inside) {
                 taps(v, cx, cy, s, to + (size_t)k * nx);
             } else {
@@ -226,7 +213,7 @@ void plfx_gather_lanes(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row 
     const plfx_gather_lenses *l = &g->lens[slot];
     uint16_t *to = g->rows + (size_t)(slot * g->n) * (size_t)g->lut->lattice.nx;
     int32_t b;
-    sensor_row v;
+    plfx_gather_row v;
 
     v.px = g->pixels ? g->pixels : (const uint16_t *)(const void *)row->bytes;
     v.from = y == 0 ? ABOVE : y; /* rows off the sensor take its first or last */
@@ -235,8 +222,9 @@ void plfx_gather_lanes(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row 
     v.last_x = g->lut->sensor_w - 1;
     v.down = g->bits - 8;
     v.half = (1u << v.down) >> 1;
+    v.narrow = v.down <= 4 && g->lut->sensor_h < NARROW;
     for (b = 0; b < g->blocks; b++) {
-        if (meets(&v, l->block + b, g->least.y_q16, g->most.y_q16)) {
+        if (plfx_gather_meets(&v, l->block + b, g->least.y_q16, g->most.y_q16)) {
             block_taps(g, &v, l->block + b, l->x_q16 + b * LANES, l->y_q16 + b * LANES,
                        to + b * LANES);
         }

@@ -150,7 +150,7 @@ typedef struct trio {
 } trio;
 
 /* Sums at 16 cells, each with a sample of a neighbouring lane: the even lanes with the
- * next one's, the odd ones with the one's before.  Extracts and inserts instead share one
+ * next one's, the odd ones with the one's before.  Extracts and inserts would share one
  * port of Intel's cores; on AMD's Zen 3 they would be the quicker way. */
 ALWAYS lanes16 gather(const int16_t *sum, lanes16 even, lanes16 odd)
 {

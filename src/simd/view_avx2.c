@@ -5,20 +5,13 @@
 
 #if defined(PLFX_KERNELS_AVX2)
 
-#include <immintrin.h>
+#include "means_avx2.h"
 
 #define LENSES PLFX_RUN_LENSES
 #define VIEWS  PLFX_RUN_VIEWS
 
-typedef __m256i lanes16;
-
-#define LOAD(p)    _mm256_loadu_si256((const __m256i *)(const void *)(p))
-#define ALL(n)     _mm256_set1_epi16((short)(n))
-#define AHEAD      (2 * 8 * 17) /* pixels of the block after the next, about */
-#define SIGN       ALL(-32768)
-#define COUNT(n)   _mm_cvtsi32_si128(n)
-#define FLIP(a)    _mm256_xor_si256(a, SIGN)
-#define PLUS(a, b) _mm256_add_epi16(a, b)
+#define AHEAD    (2 * 8 * 17) /* pixels of the block after the next, about */
+#define COUNT(n) _mm_cvtsi32_si128(n)
 
 /* What all lenses of a run share. */
 typedef struct shared {
@@ -43,35 +36,6 @@ static inline shared share(const plfx_view_run *r)
     s.up = COUNT(7 - r->down);
     s.down = COUNT(down);
     return s;
-}
-
-/* Means along a row, as along_run(). */
-static inline lanes16 along(const uint16_t *px, lanes16 g, __m128i up)
-{
-    lanes16 p = LOAD(px);
-    lanes16 q = LOAD(px + 1);
-    lanes16 sum = _mm256_sll_epi16(PLUS(p, q), up);
-    lanes16 less = _mm256_sll_epi16(_mm256_sub_epi16(q, p), up);
-
-    return PLUS(sum, _mm256_mulhrs_epi16(less, g));
-}
-
-/* Means of two rows, f/256 of the lower one.  Pairs of products need signed samples:
- * both are taken 2^15 down, and the sum of weights brings the mean back. */
-static inline lanes16 across(lanes16 upper, lanes16 lower, lanes16 f)
-{
-    lanes16 w = _mm256_sub_epi16(ALL(256), f);
-    lanes16 u = FLIP(upper);
-    lanes16 l = FLIP(lower);
-    lanes16 half = _mm256_set1_epi32(128);
-    lanes16 a =
-        _mm256_madd_epi16(_mm256_unpacklo_epi16(u, l), _mm256_unpacklo_epi16(w, f));
-    lanes16 b =
-        _mm256_madd_epi16(_mm256_unpackhi_epi16(u, l), _mm256_unpackhi_epi16(w, f));
-
-    a = _mm256_srai_epi32(_mm256_add_epi32(a, half), 8);
-    b = _mm256_srai_epi32(_mm256_add_epi32(b, half), 8);
-    return FLIP(_mm256_packs_epi32(a, b));
 }
 
 /* plfx_toned() where down is 16 or more: of the 29 bits of the product the upper 16
@@ -99,7 +63,8 @@ static inline lanes16 means(plfx_view_run r, const shared *s, int32_t l)
 
     _mm_prefetch((const char *)(const void *)(px + AHEAD), _MM_HINT_T0);
     g = FLIP(g);
-    return across(along(px, g, s->up), along(px + r.w, g, s->up), f);
+    return across(along(LOAD(px), LOAD(px + 1), g, s->up),
+                  along(LOAD(px + r.w), LOAD(px + r.w + 1), g, s->up), f);
 }
 
 static void tone_plainly(const plfx_view_run *r, uint16_t (*restrict tile)[VIEWS])
