@@ -323,9 +323,12 @@ void plfx_k_select(const int16_t *sum, const plfx_lead *lead, const int16_t *ord
 /* How finely sums are kept: scaled by s2, and single differences by s1 as well. */
 enum { EXACT, SCALED, COARSE };
 
+/* Factors of 2^(16 - s): their products' upper halves are shifts, which by a variable
+ * would take two ports each. */
 typedef struct fine {
-    __m128i s1, s2;
+    lanes16 k1, k2;
 } fine;
+#define SCALE(v, k) _mm256_mulhi_epu16(v, k)
 
 /* One label: differences `in` enter and `out` leave; the new sum.  No column leaves
  * (NULL) ahead of the first whole window. */
@@ -336,14 +339,14 @@ ALWAYS lanes16 label(uint16_t *col, int16_t *sum, const uint16_t *leave, lanes16
     lanes16 s;
 
     if (kind == COARSE) {
-        in = _mm256_srl_epi16(in, f.s1);
-        out = _mm256_srl_epi16(out, f.s1);
+        in = SCALE(in, f.k1);
+        out = SCALE(out, f.k1);
     }
     c = ADD(SUB(in, out), LOAD(col));
-    s = kind == EXACT ? c : _mm256_srl_epi16(c, f.s2);
+    s = kind == EXACT ? c : SCALE(c, f.k2);
     if (leave) {
         lanes16 t = LOAD(leave);
-        s = SUB(s, kind == EXACT ? t : _mm256_srl_epi16(t, f.s2));
+        s = SUB(s, kind == EXACT ? t : SCALE(t, f.k2));
     }
     s = ADD(s, LOAD(sum));
     STORE(col, c);
@@ -360,8 +363,8 @@ ALWAYS lanes16 slide_label(int16_t *sum, const uint16_t *in, const uint16_t *out
     lanes16 s;
 
     if (kind != EXACT) {
-        c = _mm256_srl_epi16(c, f.s2);
-        t = _mm256_srl_epi16(t, f.s2);
+        c = SCALE(c, f.k2);
+        t = SCALE(t, f.k2);
     }
     s = ADD(SUB(c, t), LOAD(sum));
     STORE(sum, s);
@@ -446,7 +449,7 @@ ALWAYS lanes16 slide(const plfx_whole_row *r, int32_t b, int32_t kind, fine f)
 ALWAYS void row(const plfx_whole_row *r, int32_t kind, ptrdiff_t step)
 {
     const plfx_whole_row k = *r; /* a copy: stores cannot change it */
-    const fine f = {_mm_cvtsi32_si128(k.s1), _mm_cvtsi32_si128(k.s2)};
+    const fine f = {ALL(65536 >> k.s1), ALL(65536 >> k.s2)}; /* used where s > 0 */
     const int32_t n = plfx_blocks_of(r);
     const int32_t before = plfx_blocks_before(r);
     plfx_walker w = plfx_walk_start(r);
