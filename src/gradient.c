@@ -3,6 +3,7 @@
 #include "gradient_state.h"
 #include "engine.h"
 #include "fix.h"
+#include "kernels.h"
 
 #include <string.h>
 
@@ -92,10 +93,10 @@ typedef struct window_sums {
 typedef struct shared {
     int64_t xx_q12, yy_q12; /* weights of the energies */
     int64_t area;
-    int32_t du_q8, bits, unique, rated;
+    int32_t du_q8, bits, unique;
 } shared;
 
-static shared of_row(const plfx_plan *plan, const plfx_map *row)
+static shared of_row(const plfx_plan *plan)
 {
     int64_t col = plfx_asr_i32(plan->col_q16, 4);
     int64_t line = plfx_asr_i32(plan->row_q16, 4);
@@ -107,26 +108,22 @@ static shared of_row(const plfx_plan *plan, const plfx_map *row)
     s.du_q8 = plan->du_q8[2];
     s.bits = plan->cfg.bits;
     s.unique = plan->cfg.unique_u16;
-    s.rated = row->conf_u16 || s.unique > 0;
     return s;
 }
 
-/* Confidence costs more than the rest: it is left out where nobody asks. */
-static void judge(const shared *s, const plfx_map *row, int32_t x, const window_sums *w)
+/* INT32_MIN is PLFX_SLOPE_NONE: no gradient at all. */
+static int32_t slope_of(const shared *s, const window_sums *w)
 {
-    int32_t slope =
-        plfx_ratio_q16(-w->num, s->xx_q12 * w->xx + s->yy_q12 * w->yy, s->du_q8);
-    uint16_t conf = 0;
+    return plfx_ratio_q16(-w->num, s->xx_q12 * w->xx + s->yy_q12 * w->yy, s->du_q8);
+}
 
-    if (slope != PLFX_SLOPE_NONE && s->rated) {
-        plfx_products p = {0, 0, w->xx, w->yy, w->xy};
-        conf = (uint16_t)plfx_gradient_conf_u16(p, s->area, s->bits);
-    }
-    if (slope == PLFX_SLOPE_NONE || conf < s->unique) {
-        plfx_map_put(row, (size_t)x, PLFX_SLOPE_NONE, 0, PLFX_FLAG_TEXTURE);
-    } else {
-        plfx_map_put(row, (size_t)x, slope, conf, 0);
-    }
+static uint16_t conf_of(const shared *s, const window_sums *w, int32_t slope)
+{
+    plfx_products p = {0, 0, w->xx, w->yy, w->xy};
+
+    return slope == PLFX_SLOPE_NONE
+               ? 0
+               : (uint16_t)plfx_gradient_conf_u16(p, s->area, s->bits);
 }
 
 static void edge(const plfx_map *row, int32_t x0, int32_t x1)
@@ -138,29 +135,60 @@ static void edge(const plfx_map *row, int32_t x0, int32_t x1)
     }
 }
 
-/* Windows with their stencils inside the map: lenses r+1 .. nx-2-r.  Column 0 is 0. */
-static void target_row(const state *s, const plfx_map *row)
+/* Slopes of the windows that columns w .. end-1 complete; conf: NULL, or confidences as
+ * well, and unsure slopes are none.  Column 0 is 0. */
+static inline void windows(const shared *like, const plfx_slant_sums *col, int32_t w,
+                           int32_t end, int32_t *restrict slope,
+                           uint16_t *restrict conf)
 {
-    const shared like = of_row(s->plan, row);
-    const plfx_slant_sums col = s->col;
-    int32_t end = s->plan->nx - 1;
-    int32_t w = s->plan->cfg.window;
-    int32_t r = w / 2;
     window_sums sum = {0, 0, 0, 0};
     int32_t x;
 
-    edge(row, 0, r + 1);
     for (x = 1; x < end; x++) {
         int32_t out = x > w ? x - w : 0;
-        sum.num += col.num[x] - col.num[out];
-        sum.xx += col.xx[x] - col.xx[out];
-        sum.yy += col.yy[x] - col.yy[out];
-        sum.xy += col.xy[x] - col.xy[out];
-        if (x >= w) {
-            judge(&like, row, x - r, &sum);
+        sum.num += col->num[x] - col->num[out];
+        sum.xx += col->xx[x] - col->xx[out];
+        sum.yy += col->yy[x] - col->yy[out];
+        sum.xy += col->xy[x] - col->xy[out];
+        if (x < w) {
+            continue;
+        }
+        slope[x - w] = slope_of(like, &sum);
+        if (conf) {
+            uint16_t sure = conf_of(like, &sum, slope[x - w]);
+            slope[x - w] = sure < like->unique ? PLFX_SLOPE_NONE : slope[x - w];
+            conf[x - w] = sure < like->unique ? 0 : sure;
         }
     }
-    edge(row, end - r, s->plan->nx);
+}
+
+/* Windows with their stencils inside the map: lenses r+1 .. nx-2-r. */
+static void target_row(const state *s, const plfx_map *row)
+{
+    const shared like = of_row(s->plan);
+    const plfx_slant_sums col = s->col;
+    int32_t w = s->plan->cfg.window;
+    int32_t x0 = w - w / 2;
+    int32_t x1 = s->plan->nx - 1 - w / 2;
+    uint16_t *conf = NULL;
+    int32_t x;
+
+    edge(row, 0, x0);
+    if (row->conf_u16) {
+        conf = row->conf_u16 + x0;
+    } else if (like.unique > 0) {
+        conf = (uint16_t *)s->spare;
+    }
+    if (conf || PLFX_LANES <= 2) {
+        windows(&like, &col, w, s->plan->nx - 1, row->slope_q16 + x0, conf);
+    } else { /* once more: a third of the time */
+        windows(&like, &col, w, s->plan->nx - 1, row->slope_q16 + x0, NULL);
+    }
+    for (x = x0; row->flags && x < x1; x++) {
+        row->flags[x] = row->slope_q16[x] == PLFX_SLOPE_NONE ? PLFX_FLAG_TEXTURE : 0u;
+    }
+    edge(row, x1, s->plan->nx);
+    plfx_map_no_sigma(row);
 }
 
 void plfx_gradient_begin(state *s, int32_t y0)

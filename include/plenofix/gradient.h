@@ -23,8 +23,9 @@ size_t plfx_gradient_ws(const plfx_plan *plan);
  * conf = e/(e + t): e the smaller eigenvalue of the window's structure tensor, (counts
  * per lens)^2 a sample, t the square of 1/64 of full scale.  A lens whose conf is under
  * the plan's unique_u16, or without any gradient, is NONE with flag TEXTURE.  |slope|
- * saturates at 8.  Cost per lens: about 80 multiplications, whatever the window, two
- * divisions of 64 bits, and five with a root where conf_u16 or unique_u16 asks for it.
+ * saturates at 8.  Cost per lens: about 80 multiplications, whatever the window, and a
+ * division of 64 bits (two where a step is no pixel); 15 multiplications and a division
+ * more where conf_u16 or unique_u16 asks for confidence.
  * PLFX_OK, PLFX_E_ARG, PLFX_E_SIZE. */
 plfx_status plfx_gradient(const plfx_plan *plan, const plfx_views *views,
                           const plfx_map *out, void *ws, size_t ws_size) PLFX_MUST_USE;

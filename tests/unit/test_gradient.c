@@ -245,6 +245,17 @@ static void add_products(const plfx_plan *p, const plfx_views *v, int x, int y,
     to->xy += ix * iy;
 }
 
+/* The definition of gradient.h in double; products are q8. */
+static double conf_ref(plfx_products s, int n, int bits)
+{
+    double xx = (double)s.xx / n / 256;
+    double yy = (double)s.yy / n / 256;
+    double xy = (double)s.xy / n / 256;
+    double e = (xx + yy - sqrt((xx - yy) * (xx - yy) + 4 * xy * xy)) / 2;
+
+    return 65535 * e / (e + pow(2, 2 * (bits - 6)));
+}
+
 /* Every lens whose window has its stencils inside, lens by lens. */
 static void compare(const plfx_plan *p, const plfx_views *v, unsigned seed)
 {
@@ -267,6 +278,10 @@ static void compare(const plfx_plan *p, const plfx_views *v, unsigned seed)
                              want == PLFX_SLOPE_NONE
                                  ? 0u
                                  : plfx_gradient_conf_u16(sum, w * w, p->cfg.bits));
+            if (want != PLFX_SLOPE_NONE) {
+                double off = conf[y * p->nx + x] - conf_ref(sum, w * w, p->cfg.bits);
+                assert_true(fabs(off) < 16); /* of 2^16: e is kept in 2^-3 */
+            }
         }
     }
 }
@@ -294,6 +309,21 @@ static void equals_definition(void **state)
         assert_int_equal(plfx_gradient(&p, &v, &m, workspace(), plfx_gradient_ws(&p)),
                          PLFX_OK);
         compare(&p, &v, seed);
+    }
+}
+
+/* Roots of numbers of every size, about squares and elsewhere. */
+static void roots(void **state)
+{
+    (void)state;
+    ref_rng rng = {7};
+    for (int i = 0; i < 400000; i++) {
+        uint64_t r = (uint64_t)ref_range(&rng, 0, (1 << 26) - 1) >> (i % 26);
+        uint64_t v = r * r + (uint64_t)(i % 3) - (r > 0 ? 1u : 0u);
+        uint64_t any =
+            (r << 26 | (uint64_t)ref_range(&rng, 0, (1 << 26) - 1)) >> (i % 27);
+        assert_int_equal(plfx_gradient_root(v), plfx_isqrt_u64(v));
+        assert_int_equal(plfx_gradient_root(any), plfx_isqrt_u64(any));
     }
 }
 
@@ -363,6 +393,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(flat_is_missing),
     cmocka_unit_test(extremes),
     cmocka_unit_test(equals_definition),
+    cmocka_unit_test(roots),
     cmocka_unit_test(confidence_changes_no_slope),
     cmocka_unit_test(low_confidence_is_missing),
     cmocka_unit_test(bad_arguments),
