@@ -222,7 +222,7 @@ void plfx_gather_lanes(plfx_gather *g, int32_t j, int32_t y, const plfx_raw_row 
     v.last_x = g->lut->sensor_w - 1;
     v.down = g->bits - 8;
     v.half = (1u << v.down) >> 1;
-    v.narrow = v.down <= 4 && g->lut->sensor_h < NARROW;
+    v.narrow = (v.down <= 4) & (g->lut->sensor_h < NARROW);
     for (b = 0; b < g->blocks; b++) {
         if (plfx_gather_meets(&v, l->block + b, g->least.y_q16, g->most.y_q16)) {
             block_taps(g, &v, l->block + b, l->x_q16 + b * LANES, l->y_q16 + b * LANES,

@@ -163,9 +163,11 @@ static inline void pack(scene *sc, int32_t format)
 
 static inline void expose(scene *sc, ref_rng *rng, int32_t bits)
 {
-    static const int32_t formats[3][2] = {{PLFX_RAW_U8, PLFX_RAW_U16},
+    static const int32_t formats[5][2] = {{PLFX_RAW_U8, PLFX_RAW_U16},
                                           {PLFX_RAW_MONO10P, PLFX_RAW_U16},
-                                          {PLFX_RAW_MONO12P, PLFX_RAW_U16LE}};
+                                          {PLFX_RAW_MONO12P, PLFX_RAW_U16LE},
+                                          {PLFX_RAW_U16LE, PLFX_RAW_U16},
+                                          {PLFX_RAW_U16LE, PLFX_RAW_U16}};
     size_t n = (size_t)sc->lut.sensor_w * (size_t)sc->lut.sensor_h;
 
     for (size_t i = 0; i < n; i++) {
@@ -241,7 +243,7 @@ static inline void correlate(plfx_cfg *c, const plfx_lattice *l, ref_rng *rng)
 /* A scene of a kind; 0: its plan or table does not fit. */
 static inline int make(scene *sc, int32_t kind, ref_rng *rng)
 {
-    int32_t bits = 8 + 2 * ref_range(rng, 0, 2);
+    int32_t bits = 8 + 2 * ref_range(rng, 0, 4);
     plfx_cfg c = random_cfg(rng, ref_range(rng, 8, 12));
 
     sc->kind = kind;
