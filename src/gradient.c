@@ -177,7 +177,7 @@ static void target_row(const state *s, const plfx_map *row)
     if (row->conf_u16) {
         conf = row->conf_u16 + x0;
     } else if (like.unique > 0) {
-        conf = (uint16_t *)s->spare;
+        conf = (uint16_t *)(void *)s->spare;
     }
     if (conf || PLFX_LANES <= 2) {
         windows(&like, &col, w, s->plan->nx - 1, row->slope_q16 + x0, conf);
