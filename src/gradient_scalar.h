@@ -107,6 +107,7 @@ static inline uint32_t plfx_gradient_conf_u16(plfx_products w, int64_t n, int32_
     uint64_t e = least > 0 ? (uint64_t)least : 0u;
     uint64_t t = (uint64_t)plfx_asr_i64(n << (2 * bits - 9), k);
 
+    /* NOLINTNEXTLINE(clang-analyzer-core.DivideZero): t is 2^6 at least */
     return (uint32_t)(e * 65535u / (e + t));
 }
 
