@@ -14,7 +14,8 @@ extern "C" {
 typedef enum plfx_raw_format {
     PLFX_RAW_U8 = 0,       /* one byte a pixel */
     PLFX_RAW_U16LE,        /* little-endian 16-bit container, right-justified */
-    PLFX_RAW_U16,          /* the same in the machine's own order, aligned */
+    PLFX_RAW_U16,          /* the same in the machine's own order, aligned; sampled in
+                              place: what stands above the significant bits must be 0 */
     PLFX_RAW_MONO10P,      /* PFNC lsb-packed: 4 pixels in 5 bytes, one bit stream */
     PLFX_RAW_MONO12P,      /* PFNC lsb-packed: 2 pixels in 3 bytes, one bit stream */
     PLFX_RAW_MONO10PACKED, /* GigE Vision: 2 pixels in 3 bytes */
