@@ -25,6 +25,16 @@ def core_sources():
     return sorted((ROOT / 'src').glob('*.c'))
 
 
+def tracked():
+    """Files of the project, where git is absent all but what builds leave."""
+    done = subprocess.run(['git', '-C', str(ROOT), 'ls-files', '-z'],
+                          capture_output=True)
+    if done.returncode == 0:
+        return [ROOT / f for f in done.stdout.decode().split('\0') if f]
+    return [p for p in ROOT.rglob('*') if p.is_file() and not any(
+        part.startswith('build') or part == '.git' for part in p.parts)]
+
+
 def sources_from(args):
     """Files named on the command line, else the core."""
     return [pathlib.Path(a) for a in args] or core_sources()

@@ -6,7 +6,6 @@ it takes from a script beside it (`from core import X`, `core.X`) stands there. 
 is run, so that scripts whose packages are absent are checked as well."""
 import ast
 import builtins
-import subprocess
 import symtable
 import sys
 
@@ -16,12 +15,7 @@ KNOWN = set(dir(builtins)) | {'__file__', '__name__', '__doc__'}
 
 
 def scripts():
-    done = subprocess.run(['git', '-C', str(common.ROOT), 'ls-files', '-z'],
-                          capture_output=True)
-    if done.returncode:
-        return sorted(p for p in common.ROOT.rglob('*.py') if 'build' not in str(p))
-    tracked = [common.ROOT / f for f in done.stdout.decode().split('\0') if f]
-    return [p for p in tracked if 'planted' not in p.parts
+    return [p for p in common.tracked() if 'planted' not in p.parts
             and (p.suffix == '.py' or first_line(p).endswith('python3'))]
 
 
@@ -84,10 +78,10 @@ def check(path):
         return [f'{name}:{wrong.lineno}: {wrong.msg}']
     found = [f'{name}: {n} is not defined'
              for n in sorted(globals_of(table) - defined(table) - KNOWN)]
-    for line, other, taken_name in foreign(path, tree):
+    for line, other, wanted in foreign(path, tree):
         names = beside(path, other)
-        if names is not None and taken_name not in names | KNOWN | {'__path__'}:
-            found.append(f'{name}:{line}: {other}.py has no {taken_name}')
+        if names is not None and wanted not in names:
+            found.append(f'{name}:{line}: {other}.py has no {wanted}')
     return found
 
 

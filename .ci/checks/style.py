@@ -6,7 +6,6 @@ blank, one newline at the end, no path of a developer's machine.  C: 88 columns,
 line first, no word that promises later work.  Scripts and build files: no address."""
 import pathlib
 import re
-import subprocess
 import sys
 
 import common
@@ -18,15 +17,6 @@ MACHINE = re.compile(r'(?<![\w.])/(?:home/\w+|root|Users/\w+|work|mnt|media)\b')
 ADDRESS = re.compile(r'\b(?:https?|ftp|git|ssh)://')
 LATER = re.compile(r'\b(?:TODO|FIXME|XXX|HACK|stub(?:bed)?|placeholder)\b', re.I)
 WIDTH = 88
-
-
-def tracked():
-    done = subprocess.run(['git', '-C', str(common.ROOT), 'ls-files', '-z'],
-                          capture_output=True)
-    if done.returncode == 0:
-        return [common.ROOT / f for f in done.stdout.decode().split('\0') if f]
-    return [p for p in common.ROOT.rglob('*') if p.is_file() and not any(
-        part.startswith('build') or part == '.git' for part in p.parts)]
 
 
 def check(path, rel):
@@ -65,7 +55,7 @@ def check(path, rel):
 
 findings = []
 planted = common.ROOT / 'tests' / 'lint' / 'planted'
-for path in [pathlib.Path(a).resolve() for a in sys.argv[1:]] or tracked():
+for path in [pathlib.Path(a).resolve() for a in sys.argv[1:]] or common.tracked():
     if not path.is_file() or (not sys.argv[1:] and planted in path.parents):
         continue
     rel = path.relative_to(common.ROOT) if common.ROOT in path.parents else path
