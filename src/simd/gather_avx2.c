@@ -103,19 +103,20 @@ void plfx_gather_narrow(const plfx_gather *g, const plfx_gather_row *v,
     size_t nx = (size_t)g->lut->lattice.nx;
     __m128i up = _mm_cvtsi32_si128(7 - v->down);
     int32_t n = g->n;
-    int32_t now = shift[0].y_q16;
-    turn t = turn_of(v, places(cy, now));
+    const plfx_point *turned = NULL; /* the view that t was made for */
+    turn t = {ALL(0), ALL(0), ALL(0)};
     int32_t k;
 
     for (k = 0; k < n; k++) {
         plfx_point s = shift[k];
-        if (s.y_q16 != now) {
-            now = s.y_q16;
-            t = turn_of(v, places(cy, now));
+        if (!plfx_gather_meets(v, b, s.y_q16, s.y_q16)) {
+            continue;
         }
-        if (plfx_gather_meets(v, b, now, now)) {
-            mix(px, places(cx, s.x_q16), up, &t, to + (size_t)k * nx);
+        if (!turned || turned->y_q16 != s.y_q16) {
+            t = turn_of(v, places(cy, s.y_q16));
+            turned = shift + k;
         }
+        mix(px, places(cx, s.x_q16), up, &t, to + (size_t)k * nx);
     }
 }
 
