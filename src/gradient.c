@@ -181,7 +181,7 @@ static void target_row(const state *s, const plfx_map *row)
     }
     if (conf || PLFX_LANES <= 2) {
         windows(&like, &col, w, s->plan->nx - 1, row->slope_q16 + x0, conf);
-    } else { /* once more: a third of the time */
+    } else { /* written out once more, without confidences */
         windows(&like, &col, w, s->plan->nx - 1, row->slope_q16 + x0, NULL);
     }
     for (x = x0; row->flags && x < x1; x++) {
